@@ -44,11 +44,11 @@
 //!   wave or more. Several speeds are then equally probable, and every line is doubtful unless
 //!   there is an anchor: a wave speed, a known branch, or a second specimen of another length
 //!   ([`BranchTracker`]).
-//! - Lines farther apart than half a wave: kL is assumed to advance by less than π between the two
-//!   closest lines. The transit time through the specimen must therefore be less than half the
-//!   length of the record.
-//! - Jumps. A stretch of lines that no smooth curve explains is doubtful; if it is longer than half
-//!   a wave, so are all following lines.
+//! - Waves cannot be counted on lines that are all farther apart than half a wave: kL is assumed to
+//!   advance by less than π between the two closest lines. The transit time through the specimen
+//!   must therefore be less than half the length of the record.
+//! - A stretch of lines that do not lie on a smooth curve is doubtful; if it is longer than half a
+//!   wave, all following lines are also doubtful.
 //!
 //! [`resolve`] handles one record with a free end; [`BranchTracker`] handles any
 //! [`PhaseObservation`], including a specimen with a mass at its end and a wave that has travelled

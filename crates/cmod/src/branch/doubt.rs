@@ -64,8 +64,8 @@ pub enum BranchDoubt {
         /// Phase of the nearest root, in rad.
         found: f64,
     },
-    /// The gap to the previous line is too long to count the waves with a wave number in proportion
-    /// to frequency.
+    /// The gap to the previous line is too long to count the waves: kL is expected to advance by
+    /// more than half a wave.
     #[error(
         "kL is expected to advance by {advance:.2} from the previous line, more than half a wave"
     )]
@@ -93,8 +93,8 @@ pub enum BranchDoubt {
 }
 
 impl BranchDoubt {
-    /// Returns the doubt about a phase that was `found` where the `expected` phase was another,
-    /// after an expected `advance` from the previous line; all in rad.
+    /// Returns the doubt about a phase `found` that differs from the `expected` phase or follows
+    /// an expected `advance` of more than half a wave from the previous line; all in rad.
     pub(crate) fn of_phase(advance: f64, expected: f64, found: f64) -> Option<Self> {
         if advance > PI {
             Some(Self::Gap { advance })

@@ -61,7 +61,7 @@ pub(super) struct LineAt<'a> {
 pub(super) struct Course {
     pub(super) state: State,
     pub(super) log_weight: f64,
-    /// Index of the passage of the last line of the course.
+    /// Index of the [`Passage`] of the last line of the course.
     pub(super) last: Option<usize>,
 }
 

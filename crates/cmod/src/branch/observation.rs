@@ -105,7 +105,7 @@ impl PhaseObservation for EndMass {
     /// The substitution tanh η = μx gives cosh(x + η) (1 - μ²x²)^½ = Ψ, where η changes little with
     /// x: the closed form of the free end and a few iterations suffice. Where two roots nearly
     /// meet, both iterations may end at the same root; the other root is then found from the
-    /// parabola about it.
+    /// parabola about this root.
     fn visit_roots(
         &self,
         observed: Complex64,
@@ -207,8 +207,8 @@ fn half_log_ratio(z: Complex64) -> Complex64 {
     0.5 * ((1.0 + z) / (1.0 - z)).ln()
 }
 
-/// Returns the numbers m of the full turns 2πm that can have a root in `phases`: roots are within
-/// half a turn of 2πm, and lag behind it by at most `lag` more.
+/// Returns the numbers m of the full turns 2πm that can have a root in `phases`: the phase of a
+/// root of turn m is between 2πm - π - `lag` and 2πm + π.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

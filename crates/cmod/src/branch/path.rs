@@ -316,7 +316,8 @@ mod tests {
             let unit = |k: usize| if k == 2 * index { 1.0 } else { 0.0 };
             let solution = eliminate(&normal, &right);
             let variance = eliminate(&normal, &(0..2 * N).map(unit).collect::<Vec<_>>());
-            // Rounding: the weights of the process noise are 1e6 times those of the lines.
+            // The tolerances allow for rounding: the weights of the process noise are 1e6 times
+            // those of the lines.
             assert!((smoothed[index].gamma.re - solution[2 * index]).abs() < 1e-8);
             assert!((smoothed[index].variance / variance[2 * index] - 1.0).abs() < 1e-6);
         }
@@ -367,7 +368,7 @@ mod tests {
         FreeEnd.visit_roots(sight.observed, 0.0..3.0, &mut |found| root = Some(found));
         let root = root.unwrap();
         let [_, slope, _] = FreeEnd.expand(root);
-        // Ψ' δx relative to the noise and the error of γ, both as variances of Ψ
+        // variance of the misfit Ψ' δx: the error of γ, as a variance of Ψ, and the noise
         let expected = slope.norm_sqr() * 4.0 * 0.004 + 0.01;
         let misfit = slope * (root - 2.0 * state.gamma);
         let chi_square = misfit.norm_sqr() / expected;

@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// A line on which noise has changed the sign of Im Ψ is lost; the following lines are not.
+    /// A line on which noise has changed the sign of Im Ψ is doubtful; the other lines are not.
     #[test]
     fn a_wrong_sign_costs_one_line() {
         let frequency_hz = lines(100, 100.0);
@@ -216,8 +216,8 @@ mod tests {
         }
     }
 
-    /// Doubts every line of a record that begins above 100 half waves: a dispersion of a few per
-    /// cent then exceeds one half wave, and the count of waves is undetermined.
+    /// Every line of a record that begins above 100 half waves is doubtful: a dispersion of a few
+    /// per cent then exceeds one half wave, and the count of waves is undetermined.
     #[test]
     fn a_start_behind_very_many_waves_is_doubted_on_every_line() {
         let exact = |f: f64| Complex64::new(0.001, 1.0) * (PI * 100.3 * f / 10_000.0);

@@ -39,14 +39,14 @@ const SURELY_NEGATIVE: f64 = 4.0;
 pub(super) struct Verdict {
     /// Probability and smoothed γ of every course, the most probable first.
     courses: Vec<(f64, Vec<Smoothed>)>,
-    /// Misfit of every line from the first course.
+    /// Misfit of every line relative to the first course.
     misfits: Vec<Misfit>,
     determined: bool,
     crowded_out: f64,
     least_confidence: f64,
 }
 
-/// Misfits of a line and of the lines around it from the first course.
+/// Misfits of a line and of the lines around it, relative to the first course.
 #[derive(Debug, Clone, Copy)]
 struct Misfit {
     /// Mean over the neighbouring lines; infinite after a long erratic stretch.
@@ -234,7 +234,7 @@ impl Verdict {
     }
 }
 
-/// Returns true if a single line is an outlier. Used only where the filter found a large misfit.
+/// Returns true if a single line is an outlier; false where the filter found no large misfit.
 fn is_strange(misfit: &Misfit, line: &LineAt<'_>, best: &Phase) -> bool {
     if misfit.own.is_none_or(|chi_square| chi_square < SURPRISE) {
         return false;
@@ -298,7 +298,8 @@ impl Phase {
         }
     }
 
-    /// Returns the probability of a `root`, which may be farther away than the two nearest roots.
+    /// Returns the probability that γℓ is nearest to `root`; 0 for a root farther away than the two
+    /// nearest roots.
     fn probability_of(&self, root: Complex64, line: &LineAt<'_>) -> f64 {
         let same = |other: Complex64| (other - root).norm() < ONE_ROOT;
         match self.nearest_roots(line) {

@@ -29,7 +29,7 @@ fn logarithms_are_added_as_their_numbers_are() {
         let (a, b): (f64, f64) = (a, b);
         assert!((log_sum(a, b) - (a.exp() + b.exp()).ln()).abs() < 1e-14);
     }
-    // cases in which the numbers themselves are 0
+    // e^-2000 and e^-3000 underflow to 0
     assert!((log_sum(-2000.0, -2000.0) - (LN_2 - 2000.0)).abs() < 1e-12);
     assert!((log_sum(-2000.0, -3000.0) + 2000.0).abs() < 1e-12);
 }
@@ -48,7 +48,8 @@ fn an_impossible_course_stands_lower() {
     assert!((at(-0.2, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(5.4, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(0.3, 5.0, -2e-4) + 3.5).abs() < 1e-9);
-    // all three quantities together; then one quantity, limited to eight standard errors
+    // the costs of all three quantities are added; a quantity very far below 0 costs as much as
+    // eight standard errors
     assert!((at(-0.2, -0.6, -2e-4) + 1.5 + 6.0).abs() < 1e-9);
     assert!((at(-7.0, 5.0, 1e-3) + 1.5 + 32.0).abs() < 1e-9);
 }
@@ -91,7 +92,8 @@ fn a_line_determines_its_roots_where_they_are_far_apart() {
 #[test]
 fn courses_that_have_run_together_are_one() {
     let gamma = Complex64::new(0.3, 5.0);
-    // variances of 0.02 and 2e-8: together within 0.0707 of γ and 7.07e-5 of the slope
+    // the variances are 0.02 and 2e-8, so courses are merged if γ differs by less than 0.0707 and
+    // the slope by less than 7.07e-5
     let merged = |other: State, weights: (f64, f64)| {
         let mut courses = Courses {
             alive: vec![course(state(gamma), weights.0), course(other, weights.1)],
@@ -105,7 +107,7 @@ fn courses_that_have_run_together_are_one() {
     assert_eq!(one.len(), 1);
     assert!((one[0].state.gamma - gamma).norm() < 1e-15);
     assert!((one[0].log_weight - ((-1.0_f64).exp() + (-2.0_f64).exp()).ln()).abs() < 1e-12);
-    // the course with the larger weight has the right history
+    // the state of the course with the larger weight is kept
     let one = merged(near, (-2.0, -1.0));
     assert!((one[0].state.gamma - near.gamma).norm() < 1e-15);
     assert_eq!(
@@ -117,7 +119,7 @@ fn courses_that_have_run_together_are_one() {
     assert_eq!(merged(other_slope, (-1.0, -2.0)).len(), 2);
     other_slope.slope.im -= 0.4e-5;
     assert_eq!(merged(other_slope, (-1.0, -2.0)).len(), 1);
-    // the smaller of the two variances counts
+    // the distance is relative to the smaller of the two variances
     let mut surer = near;
     surer.variance = 0.01;
     assert_eq!(merged(surer, (-1.0, -2.0)).len(), 2);
@@ -138,7 +140,8 @@ fn courses_that_have_become_negligible_are_given_up() {
     let kept: Vec<f64> = courses.alive.iter().map(|c| c.state.gamma.im).collect();
     assert_eq!(kept, [5.0, 7.0]);
     assert!(courses.crowded_out.abs() < 1e-300);
-    // more than the maximum: the lowest are dropped, and their weight is stored
+    // beyond the maximum number, the courses of the lowest weight are dropped, and their
+    // probability is stored
     let many: Vec<Course> = (0..MOST_COURSES + 512)
         .map(|n| {
             let k = 5.0 + n as f64;
@@ -274,7 +277,8 @@ fn a_guessed_speed_weighs_by_its_relative_error() {
         wave_number: 4.4,
         standard_error: 0.2,
     };
-    // 0.6 from the anchor, with variances of 0.04 and half of 0.02
+    // k differs from the anchor by 0.6; the variance of the anchor is 0.04, and that of k is half
+    // of 0.02
     let likelihood = known.log_likelihood(&state(Complex64::new(0.3, 5.0)));
     assert!((likelihood + 0.5 * 0.36 / 0.05).abs() < 1e-12);
 }

@@ -53,7 +53,7 @@ fn a_median_is_the_middle() {
     let exactly = |found: Option<f64>, expected: f64| found.unwrap().total_cmp(&expected).is_eq();
     assert!(median(&mut []).is_none());
     assert!(exactly(median(&mut [5.0, -1.0, 3.0]), 3.0));
-    // for an even number of values it is the upper of the two middle values
+    // for an even number of values the median is the upper of the two middle values
     assert!(exactly(median(&mut [4.0, 1.0, 3.0, 2.0]), 3.0));
 }
 
@@ -75,8 +75,8 @@ fn a_deviation_is_from_the_straight_line_through_the_neighbours() {
 #[test]
 fn scatter_of_neighbours_is_the_level_of_noise() {
     let variance = 1e-6;
-    // the variance of the deviation |2 step|² is 1 + 1/4 + 1/4 times that of a line; the median of
-    // an exponential variable is ln 2
+    // the deviation is 2 step, and its variance is 1 + 1/4 + 1/4 times that of a line; the median
+    // of an exponential variable of mean 1 is ln 2
     let level = |step: f64| 4.0 * step * step / (1.5 * variance) / LN_2;
     let of = |step: f64, stated: bool| {
         let lines = zigzag(9, step, variance);

@@ -128,14 +128,16 @@ fn phase(mean: Complex64, damping_variance: f64, spread: f64) -> Phase {
 #[test]
 fn the_probability_of_a_root_is_that_of_its_half_plane() {
     let here = phase(gamma(0.3, 2.0), 0.04, 0.1);
-    // along the phase: 0.05 on the right side of the middle, with a standard error of 0.1
+    // roots of different phase: the mean is 0.05 from the middle between the roots, on the side of
+    // the first root, with a standard error of 0.1
     let p = here.probability_of_first(gamma(0.3, 2.1), gamma(0.3, 1.8));
     assert!((p - normal_distribution(0.5)).abs() < 1e-9, "{p}");
-    // along the damping: 0.1 on the wrong side, with a standard error of 0.2
+    // roots of different damping: the mean is 0.1 from the middle, on the side of the second root,
+    // with a standard error of 0.2
     let p = here.probability_of_first(gamma(0.6, 2.0), gamma(0.2, 2.0));
     assert!((p - normal_distribution(-0.5)).abs() < 1e-9, "{p}");
-    // oblique: the unit normal is (0.6, 0.8), and the mean is 0.1 ahead of the middle between the
-    // roots
+    // roots that differ in both, in the direction (0.6, 0.8): the mean is 0.1 from the middle, on
+    // the side of the first root
     let (ahead, error) = (0.1, (0.36 * 0.04 + 0.64 * 0.01_f64).sqrt());
     let middle = gamma(0.3, 2.0) - ahead * gamma(0.6, 0.8);
     let half = 0.35 * gamma(0.6, 0.8);
@@ -143,7 +145,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
     assert!((p - normal_distribution(ahead / error)).abs() < 1e-9, "{p}");
     let q = here.probability_of_first(middle - half, middle + half);
     assert!((p + q - 1.0).abs() < 1e-12);
-    // a distance of nine standard errors is certain to all digits, in either direction
+    // at nine standard errors from the middle the probability is 1 to all digits, or almost 0
     let far = phase(gamma(0.3, 2.0), 0.04, 0.001);
     let exactly = |p: f64, expected: f64| p.total_cmp(&expected).is_eq();
     assert!(exactly(
@@ -151,7 +153,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
         1.0
     ));
     assert!(far.probability_of_first(gamma(0.3, 1.981), gamma(0.3, 2.001)) < 1e-15);
-    // without an error the nearer root is certain; halfway between two roots there is no decision
+    // without an error the nearer root is certain; halfway between two roots the probability is ½
     let known = phase(gamma(0.0, 2.0), 0.0, 0.0);
     assert!(exactly(
         known.probability_of_first(gamma(0.0, 2.1), gamma(0.0, 1.8)),
@@ -189,7 +191,7 @@ fn any_root_can_be_asked_for() {
     assert!((p - here.probability_of_first(first, second)).abs() < 1e-15 && p > 0.5);
     let q = here.probability_of(second, &line);
     assert!((p + q - 1.0).abs() < 1e-12);
-    // within 0.005 rad it is the same root, farther away it is no root of the line
+    // a phase within 0.005 rad of a root counts as this root; farther away there is no root
     let near = here.probability_of(first + gamma(0.0, 0.004), &line);
     assert!((near - p).abs() < 1e-15);
     assert!(here.probability_of(first + gamma(0.0, 0.006), &line) < 1e-15);
@@ -210,8 +212,8 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     let mut chi_square = vec![Some(1.0); lines.len()];
     chi_square[20] = Some(17.0);
     let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
-    // the misfit is 1 + 16/8 at the erratic line, and its excess decreases by 7/8 per line of
-    // distance
+    // the misfit is 1 + 16/8 at the erratic line, and its excess over 1 is multiplied by 7/8 per
+    // line of distance
     for (k, found) in misfit.iter().enumerate() {
         let away = i32::try_from(k.abs_diff(20)).unwrap();
         let expected = 1.0 + 2.0 * 0.875_f64.powi(away);
@@ -221,14 +223,14 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     chi_square[20] = None;
     let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
     assert!(misfit.iter().all(|m| (m - 1.0).abs() < 1e-12));
-    // the effect of ten erratic lines over less than half a wave ends with these lines; over more
-    // than half a wave it does not
+    // ten erratic lines over less than half a wave leave all mean misfits finite; over more than
+    // half a wave they make those of all following lines infinite
     chi_square[15..25].fill(Some(100.0));
     let short = local_misfit(&chi_square, &smoothed(0.05), &lines);
     assert!(short.iter().all(|m| m.is_finite()) && short[20] > ERRATIC);
     let long = local_misfit(&chi_square, &smoothed(0.5), &lines);
     let lost = long.iter().position(|m| m.is_infinite()).unwrap();
-    // the backward mean is above the limit from 19 lines before the stretch
+    // the backward mean is above the limit from the first line on, 15 lines before the stretch
     let began = short.iter().position(|m| *m > ERRATIC).unwrap();
     assert_eq!(lost, began + 7, "7 steps of 0.5 rad are the first above π");
     assert!(long[lost..].iter().all(|m| m.is_infinite()));
@@ -268,11 +270,11 @@ fn a_line_is_strange_beyond_four_standard_deviations_of_all_that_is_uncertain() 
         is_strange(&misfit, &line_at(observed, noise), &phase)
     };
     assert!(strange(4.001, Some(9.0)) && !strange(3.999, Some(9.0)));
-    // evaluated only where the filter found a large misfit
+    // a line counts as an outlier only where the filter also found a large misfit
     assert!(!strange(5.0, Some(3.999)) && strange(5.0, Some(4.0)) && !strange(5.0, None));
 }
 
-/// A line without a known misfit is not trusted, however well its root fits.
+/// A line without a known misfit is undetermined, however well its root agrees with the course.
 #[test]
 fn r21_a_line_without_a_misfit_is_undetermined() {
     let at = gamma(0.2, 2.0);
@@ -314,7 +316,7 @@ fn doubts_come_in_the_order_of_their_weight() {
     let clear = verdict(1.0, Some(1.0), smoothed);
     let roots = (at, gamma(0.2, 4.2));
     assert_eq!(ask(&clear, at, 0.995, roots, (0.0, None)), (None, 0.995));
-    // exactly the required confidence is enough
+    // a confidence equal to the required one is sufficient
     assert_eq!(ask(&clear, at, 0.99, roots, (0.0, None)), (None, 0.99));
     let lost = Verdict {
         determined: false,
@@ -374,8 +376,8 @@ fn doubts_come_in_the_order_of_their_weight() {
             other: 4.2
         })
     );
-    // a rival does not matter where the confidence is high, and neither does another root that
-    // coincides with the first
+    // there is no doubt about the other speed where the confidence is high, nor about another root
+    // that coincides with the first
     assert_eq!(ask(&clear, at, 0.995, roots, (0.06, Some(4.0))).0, None);
     let same = (at, at + gamma(0.0, 0.004));
     assert_eq!(ask(&clear, at, 0.9, same, (0.0, None)).0, None);
