@@ -120,7 +120,7 @@ impl CausalEstimate {
     /// let found = causal.at(1.5e3)?;
     /// let error = found.covariance[0][0].sqrt();
     /// assert!((found.modulus - material.at(std::f64::consts::TAU * 1.5e3)).re.abs() < 3.0 * error);
-    /// // a line alone has 1.4e7 Pa
+    /// // the standard error of E' of a single line is 1.4e7 Pa
     /// assert!(error < 3e6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -234,7 +234,7 @@ impl CausalEstimate {
         ))
     }
 
-    /// Returns a random covariance, enlarged because the variances are estimated.
+    /// Returns a random covariance, enlarged if the variances of the lines are estimates.
     fn with_scatter(&self, covariance: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         covariance.map(|row| row.map(|entry| self.scatter.of_covariance * entry))
     }

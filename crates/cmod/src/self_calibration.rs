@@ -66,7 +66,7 @@ use posterior::Posterior;
 use smooth::Smoothing;
 use vectors::length;
 
-/// Maximum number of rounds, each of a correction and a new estimate.
+/// Maximum number of rounds; each round consists of a correction and a new estimate.
 const MOST_ROUNDS: usize = 12;
 /// Maximum number of times that the lines to be used are selected.
 const MOST_SELECTIONS: usize = 4;
@@ -95,7 +95,7 @@ const LARGEST_ERROR: f64 = 0.03;
 pub struct SelfCalibration {
     estimate: ModulusEstimate,
     sources: Vec<CalibratedSource>,
-    /// Number of informative lines, before the choice of [`MOST_LINES`].
+    /// Number of informative lines, before at most [`MOST_LINES`] of them are chosen.
     lines: usize,
     mean_square: f64,
 }
@@ -239,7 +239,7 @@ fn found_from(
     for selection in 1.. {
         let estimate = match experiment.estimate(&removed) {
             Ok(estimate) => estimate,
-            // after removal of the errors found so far the record is no longer valid
+            // removal of the errors found so far has made the record invalid
             Err(_) if selection > 1 => return Ok(None),
             Err(error) => return Err(error),
         };

@@ -14,8 +14,8 @@ const TIMES_A_DECADE: f64 = 64.0;
 /// Decades of the grid beyond the band: at this distance a branch equals a spring or a dashpot to
 /// 1e-4.
 const DECADES_BEYOND: f64 = 2.0;
-/// Predicted decrease of the sum of squares by one more branch below which no branch is added, as a
-/// fraction of the sum of squares per value, or of 1 if the sum per value is less than 1.
+/// Limit below which a predicted decrease of the sum of squares does not justify one more branch,
+/// as a fraction of the sum of squares per value, or of 1 if the sum per value is less than 1.
 const TOLERANCE: f64 = 1e-10;
 
 /// Value of a line, with its independent error.
@@ -52,16 +52,18 @@ impl Value {
 pub(super) struct Whitened<'a> {
     values: &'a [Value],
     pub(super) common: CommonErrors,
-    /// Values and readings, in units of their independent errors.
+    /// Values, and readings of the sizes of the common errors, in units of their independent
+    /// errors.
     plain: Vec<f64>,
-    /// Values and readings, in units of their total errors.
+    /// Values, and readings of the sizes of the common errors, in units of their total errors.
     target: Vec<f64>,
 }
 
 impl<'a> Whitened<'a> {
     /// Creates whitened `values`. Each `common` vector \[Pa\] contains the errors of all values if
-    /// one source is wrong by one standard uncertainty. Each of the `readings`, with an error of
-    /// variance 1, measures the sum of the sizes of these errors, multiplied by its factors.
+    /// one source is wrong by one standard uncertainty. Each of the `readings` consists of the
+    /// factors of a sum of the sizes of these errors, and the value of this sum, which has an error
+    /// of variance 1.
     pub(super) fn new(
         values: &'a [Value],
         common: &[Vec<Complex64>],

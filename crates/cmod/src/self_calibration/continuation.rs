@@ -20,8 +20,8 @@ const LARGEST_TERM: f64 = 0.3;
 /// Minimum number of lines that determine the variation of the modulus.
 const FEWEST_LINES: usize = 8;
 
-/// Returns the number of lines per line with independent noise, if `added_damping` σ \[1/s\]
-/// correlates neighbouring lines. For stationary noise it is
+/// Returns the ratio of the number of lines to the number of lines with independent noise, if
+/// `added_damping` σ \[1/s\] correlates neighbouring lines. For stationary noise it is
 ///
 /// ```text
 /// Σ|ρ|² = ∫ df/(1 + (πf/σ)²)/Δf = σ/Δf .
@@ -37,8 +37,8 @@ pub fn lines_per_independent_line(frequency_hz: &[f64], added_damping: f64) -> f
     }
 }
 
-/// Returns the step at which at most `most` of `count` lines are taken, and lines with correlated
-/// noise are passed over; `lines_per_independent_line` is that of
+/// Returns the step between lines with which at most `most` of `count` lines are used, and lines
+/// with correlated noise are skipped; `lines_per_independent_line` is the result of
 /// [`lines_per_independent_line`].
 #[must_use]
 #[expect(
