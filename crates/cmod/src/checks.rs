@@ -14,10 +14,11 @@
 //! | [`relaxation`] | a modulus over time does not rise | compliance and modulus interchanged, drift of the force or of the displacement, ageing |
 //! | [`kramers_kronig`] | E' and E'' belong to one relaxing material | anything that distorts the modulus over frequency |
 //!
-//! A failed check is conclusive within its level. A passed check only states that a possible error
-//! is below the noise: its [noise floor](CheckOutcome::noise_floor) gives the amount. The level
-//! applies to each check separately: if a correct record undergoes k checks at the level p, at
-//! least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
+//! A correct record fails a check with at most the probability given by the level. A passed check
+//! only states that a possible error is below the noise: its
+//! [noise floor](CheckOutcome::noise_floor) gives the amount. The level applies to each check
+//! separately: if a correct record undergoes k checks at the level p, at least one fails by chance
+//! with a probability of up to 1 - (1 - p)^k, at most kp.
 //!
 //! If the noise was estimated from few hits or from a short quiet part of the record, every check
 //! takes the degrees of freedom of this estimate into account: Fisher's and Student's distributions
@@ -81,9 +82,9 @@ impl fmt::Display for Check {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum CheckVerdict {
-    /// Noise alone explains the statistic.
+    /// The statistic is consistent with noise alone.
     Passed,
-    /// Noise alone gives such a statistic with a probability below the level.
+    /// Noise alone gives a statistic at least as extreme with a probability below the level.
     Failed,
     /// The signal is below the noise, or a bound was not reached: no statement is possible.
     Undecided,
@@ -211,16 +212,16 @@ mod tests {
 
     #[test]
     fn tails_are_those_of_tables() {
-        // from tables: 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10),
-        // 2.5 % of the normal distribution
+        // quantiles from tables: 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of
+        // F(5, 10), 2.5 % of the normal distribution
         assert!((chi_square_tail(18.467, 4.0) - 1e-3).abs() < 1e-6);
         assert!((chi_square_tail(149.449, 100.0) - 1e-3).abs() < 1e-6);
         assert!((fisher_tail(3.3258, 5.0, 10.0) - 0.05).abs() < 1e-5);
         assert!((normal_tail_below(-1.959964) - 0.025).abs() < 1e-7);
-        // 2.5 % of Student's distribution with 4 degrees of freedom
+        // quantile of 2.5 % of Student's distribution with 4 degrees of freedom
         assert!((student_tail_below(-2.776445, Some(4.0)) - 0.025).abs() < 1e-7);
         assert!((student_tail_below(-1.959964, None) - 0.025).abs() < 1e-7);
-        // 1 - (1 - p)^n, also for p far below the rounding error of 1
+        // 1 - (1 - p)^n keeps its digits also for p far below the rounding error of 1
         assert!((of_the_least(0.1, 3) - 0.271).abs() < 1e-15);
         assert!((of_the_least(1e-20, 10) - 1e-19).abs() < 1e-33);
     }

@@ -5,11 +5,11 @@ use super::{
 };
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Minimum number of samples from which a mean square is computed, before the blow or between the
-/// blow and the wave.
+/// Minimum number of samples from which a mean square is computed, before the hit or between the
+/// hit and the wave.
 const FEWEST_SAMPLES: usize = 8;
 
-/// Record of a blow in one channel.
+/// Record of a hit in one channel.
 #[derive(Debug, Clone, Copy)]
 pub struct Channel<'a> {
     /// Samples in any unit, at the same times in all channels.
@@ -18,12 +18,12 @@ pub struct Channel<'a> {
     pub distance: f64,
 }
 
-/// Records of a blow, with the time of the blow. Its inputs come from these sources:
+/// Records of a hit, with the time of the hit. The inputs come from these sources:
 ///
 /// | quantity | source |
 /// |---|---|
-/// | noise | the samples before the blow, per channel |
-/// | time of the blow | the trigger, a contact or the hammer's channel |
+/// | noise | the samples before the hit, per channel |
+/// | time of the hit | the trigger, a contact or the hammer's channel |
 /// | speeds | any estimate, or prior knowledge of the material |
 #[derive(Debug, Clone)]
 pub struct Arrivals<'a> {
@@ -56,12 +56,12 @@ struct Wave {
 
 impl<'a> Arrivals<'a> {
     /// Creates the checks for records of two or more channels, sampled every `interval` \[s\], of a
-    /// blow that begins at sample `blow`.
+    /// hit that begins at sample `blow`.
     ///
     /// # Errors
     /// [`CmodError::GaugeCount`] for fewer than two channels, [`CmodError::NonPhysical`] for the
     /// interval or a distance, [`CmodError::LengthMismatch`] for histories of different length,
-    /// [`CmodError::TooFewSamples`] if fewer than 8 samples precede the blow or none follows it,
+    /// [`CmodError::TooFewSamples`] if fewer than 8 samples precede the hit or none follows it,
     /// [`CmodError::NonFiniteSample`].
     pub fn new(channels: Vec<Channel<'a>>, interval: f64, blow: usize) -> Result<Self, CmodError> {
         check_positive("sampling interval [s]", interval)?;
@@ -74,7 +74,7 @@ impl<'a> Arrivals<'a> {
         let expected = first.samples.len();
         if blow < FEWEST_SAMPLES || blow >= expected {
             return Err(CmodError::TooFewSamples {
-                what: "the record before the blow, or after it,",
+                what: "the record before the hit, or after it,",
                 found: blow.min(expected.saturating_sub(blow)),
                 expected: FEWEST_SAMPLES,
             });
@@ -101,11 +101,11 @@ impl<'a> Arrivals<'a> {
     /// Checks that every channel is silent until a wave of the speed `fastest` [m/s] can have
     /// arrived from the impacted end. `level` is the probability of a false alarm.
     ///
-    /// The statistic of a channel is the mean square between the blow and this arrival, divided by
-    /// the mean square before the blow. For noise alone it is about 1 and has the F-distribution,
-    /// with degrees of freedom that are reduced for the correlation of the noise before the blow.
+    /// The statistic of a channel is the mean square between the hit and this arrival, divided by
+    /// the mean square before the hit. For noise alone it is about 1 and has the F-distribution,
+    /// with degrees of freedom that are reduced for the correlation of the noise before the hit.
     /// The p-value of the check is the smallest of all channels, corrected for the number of
-    /// channels. Channels with fewer than 8 samples between blow and arrival are not checked.
+    /// channels. Channels with fewer than 8 samples between hit and arrival are not checked.
     ///
     /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: it exceeds any phase
     /// velocity of the band by the dispersion that the loss factor causes between the band and the
@@ -115,7 +115,7 @@ impl<'a> Arrivals<'a> {
     /// # Errors
     /// [`CmodError::NonPhysical`] for the speed and the level, [`CmodError::TooFewSamples`] if no
     /// channel can be checked, [`CmodError::NoNoise`] for a channel without any noise before the
-    /// blow.
+    /// hit.
     pub fn causality(&self, fastest: f64, level: f64) -> Result<CheckOutcome, CmodError> {
         let level = check_level(level)?;
         check_positive("fastest wave speed [m/s]", fastest)?;
@@ -147,7 +147,7 @@ impl<'a> Arrivals<'a> {
         }
         if count == 0 {
             return Err(CmodError::TooFewSamples {
-                what: "the record between the blow and the fastest wave",
+                what: "the record between the hit and the fastest wave",
                 found: longest,
                 expected: FEWEST_SAMPLES,
             });
@@ -163,14 +163,14 @@ impl<'a> Arrivals<'a> {
     /// after the arrival of a wave of the given `speed` [m/s]. The statistic is the lowest
     /// correlation of all channels, divided by its scatter due to noise: many standard deviations
     /// above 0 if the sign is right, below 0 if it is wrong. The statistic follows Student's
-    /// distribution, because the noise is estimated from the samples before the blow. The
+    /// distribution, because the noise is estimated from the samples before the hit. The
     /// `duration` must end before a reflection arrives. If the wave is below the noise, the check
     /// is undecided.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the speed, the duration and the level,
     /// [`CmodError::TooFewSamples`] if the record ends before the duration, [`CmodError::NoNoise`]
-    /// for a channel without any noise before the blow.
+    /// for a channel without any noise before the hit.
     pub fn polarity(
         &self,
         speed: f64,
@@ -271,7 +271,7 @@ impl<'a> Arrivals<'a> {
         (time / self.interval).floor() as usize
     }
 
-    /// Returns the first `count` samples after the blow, or all available samples if there are
+    /// Returns the first `count` samples after the hit, or all available samples if there are
     /// fewer.
     fn after_blow(&self, channel: &Channel<'a>, count: usize) -> &'a [f64] {
         let after = channel.samples.get(self.blow..).unwrap_or_default();
@@ -285,7 +285,7 @@ impl<'a> Arrivals<'a> {
         let power: f64 = quiet.iter().map(|value| (value - mean).powi(2)).sum();
         if power <= 0.0 {
             return Err(CmodError::NoNoise {
-                what: "the record before the blow of channel",
+                what: "the noise before the hit in channel",
                 index,
             });
         }

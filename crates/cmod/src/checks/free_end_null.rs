@@ -22,7 +22,8 @@ const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 const SMALLEST_FRACTION: f64 = 1e-6;
 /// Maximum number of Gauss-Newton steps of the common errors.
 const MOST_ROUNDS: usize = 8;
-/// Fall of χ² over all lines by a step of the common errors at which they are at their minimum.
+/// Decrease of χ² over all lines by a step of the common errors, below which the errors count as
+/// converged.
 const LEAST_FALL: f64 = 0.1;
 
 /// Free-end null check: three or more sections must agree on one motion of the free end and one γ.
@@ -55,7 +56,7 @@ const LEAST_FALL: f64 = 0.1;
 /// let frequency_hz: Vec<f64> = (1..=50).map(|j| 100.0 * f64::from(j)).collect();
 /// let gamma: Vec<Complex64> =
 ///     frequency_hz.iter().map(|f| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0)).collect();
-/// // the third gauge is 10 mm from where it is said to be
+/// // the third gauge is 10 mm from its stated position
 /// let at = |d: f64| gamma.iter().map(|gamma| (gamma * d).sinh()).collect::<Vec<_>>();
 /// let spectra = [at(0.1), at(0.25), at(0.41)];
 /// let outcome = FreeEndNull::new(rod, vec![0.1, 0.25, 0.40], Quantity::Strain)?.check(
@@ -115,8 +116,8 @@ impl FreeEndNull {
         })
     }
 
-    /// Sets the uncertainties of positions, sensitivities, delays, free end and end mass. Exact
-    /// quantities fail the check for an error that their uncertainty would explain.
+    /// Sets the uncertainties of positions, sensitivities, delays, free end and end mass. If
+    /// a quantity is stated as exact, an error of this quantity makes the check fail.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] and [`CmodError::GaugeCount`] as for
@@ -195,7 +196,7 @@ impl FreeEndNull {
             Some(noise) => {
                 let statistic = total / all * (1.0 - 2.0 / noise.line);
                 let of_noise = (count * n) as f64 * noise.own;
-                // the variance of the ratio is larger than with a known noise by (ν - 2)/(ν - 4)
+                // the variance of the ratio is (ν - 2)/(ν - 4) times that with a known noise
                 let of_lines = all * (noise.line - 4.0) / (noise.line - 2.0);
                 (statistic, fisher_tail(statistic, of_lines, of_noise))
             }
@@ -339,7 +340,7 @@ impl<'a> Fit<'a> {
             let c = pairs().map(|((f, _), b)| f.conj() * b).sum::<Complex64>() / power;
             for ((f, slope), b) in pairs() {
                 let rest = b - c * f;
-                // d = P_perp f' c
+                // d is the component of f'c that is perpendicular to f
                 let d = c * (slope - drift * f);
                 misfit += rest.norm_sqr();
                 gradient += d.conj() * rest;
@@ -427,9 +428,10 @@ mod tests {
     use super::*;
     use testbed::noise::Noise;
 
-    /// Five gauges of which each is 0.3 to 0.6 mm from its stated position and 0.5 to 1 % off:
-    /// exact positions fail, stated uncertainties of 0.5 mm and 1 % explain them, and an error of 8
-    /// mm fails in spite of them.
+    /// Five gauges are each 0.3 to 0.6 mm from their stated positions, with errors of the
+    /// sensitivity of 0.5 to 1 %. The check fails if positions and sensitivities are stated as
+    /// exact. It passes with stated uncertainties of 0.5 mm and 1 %, but fails in spite of them if
+    /// one of the gauges is another 8 mm away.
     #[test]
     fn stated_uncertainties_explain_what_they_cover_and_no_more() {
         let rod = RodWithFreeEnd {
@@ -482,13 +484,14 @@ mod tests {
         };
         assert!(outcome(1, 0.0, false).has_failed());
         assert!(outcome(1, 8e-3, true).has_failed());
-        // the errors of this arrangement are fixed, so that chance is in the noise alone: p-values
-        // are uniform but for the squares of the errors, which are below those of the prior
+        // the noise differs from record to record, but the errors of the gauges do not: the sum of
+        // their squares, in units of the stated variances, is 6.6 instead of the expected 10, so at
+        // most about 1 % of the records fail
         let failures = (0..40).filter(|seed| outcome(*seed, 0.0, true).has_failed());
         assert!(failures.count() <= 2);
     }
 
-    /// Noise that is assumed 10 % too small in amplitude: with chi-square over many lines a correct
+    /// The assumed noise is 10 % too small in amplitude. With chi-square over many lines a correct
     /// record fails. With Fisher's distribution for a noise of 100 degrees of freedom in all, whose
     /// power has a standard error of 14 %, the record passes.
     #[test]

@@ -23,9 +23,10 @@ const MOST_ROUNDS: u32 = 4;
 /// projection onto a cone. The nearest material lies on a face of the cone of p dimensions, the
 /// number of its parameters above 0. For records that are projected onto this face, twice the
 /// residual sum exceeds any given value at most as often as a chi-square variable with 2n - p
-/// degrees of freedom for n lines: the residual is perpendicular to the face, and the truth, which
-/// lies in the cone, can only shorten it (Wollan & Dykstra, *Conditional tests with an order
-/// restriction as a null hypothesis*, 1986).
+/// degrees of freedom for n lines: the residual is perpendicular to the face, and a true
+/// material outside of the face can only shorten the residual, because this material lies in the
+/// cone (Wollan & Dykstra, *Conditional tests with an order restriction as a null hypothesis*,
+/// 1986).
 ///
 /// With an estimated variance of ν degrees of freedom, F of a line follows Fisher's distribution,
 /// P(F > x) = (1 + 2x/ν)^{-ν/2}. Therefore

@@ -19,7 +19,7 @@ use crate::estimate::ModulusEstimate;
 /// E'' negative is detected.
 ///
 /// Lines of negative damping are included, although they are not valid; lines with a doubtful
-/// branch are not. The p-value holds for a material without losses; for a material with losses a
+/// branch are not. The p-value is valid for a material without losses; for a material with losses a
 /// false alarm is rarer.
 ///
 /// # Errors

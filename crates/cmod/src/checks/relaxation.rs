@@ -3,7 +3,7 @@
 use super::{Check, CheckOutcome, CheckVerdict, check_level, student_tail_below};
 use crate::error::{CmodError, check_length, check_positive};
 
-/// Fewest points whose scatter about a straight line is known.
+/// Minimum number of points that have a scatter about their regression line.
 const FEWEST: usize = 3;
 
 /// Checks that a modulus over time, E(t) of a relaxation test or 1/J(t) of a creep test, does not
@@ -25,9 +25,9 @@ const FEWEST: usize = 3;
 /// | `modulus` | `(n_points)` | Pa |
 ///
 /// # Validity
-/// The p-value holds for a modulus that does not change and has independent errors; if the modulus
-/// decreases, a false alarm is rarer. A change that is not a power of the time counts as scatter.
-/// Undecided for fewer than three points or equal times.
+/// The p-value is valid for a modulus that does not change and has independent errors; if the
+/// modulus decreases, a false alarm is rarer. A change that is not a power of the time counts as
+/// scatter. The check is undecided for fewer than three points, or if all times are equal.
 ///
 /// # Errors
 /// [`CmodError::NonPhysical`] for the level, a time or a modulus; [`CmodError::LengthMismatch`].
@@ -91,7 +91,8 @@ mod tests {
         let p = 0.5 * (1.0 - expected / (2.0 + expected * expected).sqrt());
         assert!((found.p_value - p).abs() < 1e-12, "{found}");
         assert!(found.has_failed());
-        // four standard errors of three points are one chance in thirteen
+        // with three points, noise alone gives a slope of four standard errors or more with a
+        // probability of 1/13
         let three = relaxation(&time[..3], &[1.0, 1.3, 1.9], 3e-5).unwrap();
         assert!(three.statistic > 4.0 && !three.has_failed(), "{three}");
     }

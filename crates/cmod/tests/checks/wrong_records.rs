@@ -186,7 +186,7 @@ fn records_that_cannot_be_checked_are_refused() {
             1e-6,
             3
         )),
-        "the record before the blow, or after it, has 3 samples, expected at least 8"
+        "the record before the hit, or after it, has 3 samples, expected at least 8"
     );
     let bad = vec![f64::NAN; 100];
     assert_eq!(
@@ -200,7 +200,7 @@ fn records_that_cannot_be_checked_are_refused() {
     let silent = Arrivals::new(vec![channel(&quiet), channel(&quiet)], 1e-6, 50).unwrap();
     assert_eq!(
         silent.causality(2000.0, 0.01).unwrap_err().to_string(),
-        "the record before the blow of channel 0 is 0, expected noise to compare with"
+        "the noise before the hit in channel 0 is 0, expected noise to compare with"
     );
     assert_eq!(
         FreeEndNull::new(rod(), vec![0.1, 0.2], Quantity::Strain)

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::free_end::{FreeEndShape, RodWithFreeEnd};
 use crate::multi_point::{GaugeUncertainty, Quantity};
 
-/// Property of the arrangement with an error.
+/// Property of the arrangement that has an error.
 #[derive(Debug, Clone, Copy)]
 enum Property {
     Position(usize),
@@ -19,7 +19,7 @@ enum Property {
     EndLength,
 }
 
-/// Errors with a normal prior, in standard deviations of it.
+/// Errors with a normal prior, in standard deviations of the prior.
 #[derive(Debug)]
 pub(super) struct CommonErrors {
     properties: Vec<(Property, f64)>,
@@ -134,9 +134,9 @@ impl CommonErrors {
         })
     }
 
-    /// Moves the errors to the minimum of the linearised problem with the prior, and returns χ²
-    /// there, from `chi_square` of the data at the present errors, and its fall. `None` if the
-    /// equations have no solution.
+    /// Moves the errors to the minimum of the linearised problem with the prior. Returns χ² at this
+    /// minimum, from `chi_square` of the data at the previous errors, and the decrease of χ²;
+    /// `None` if the equations have no solution.
     pub(super) fn improve(
         &mut self,
         equations: &NormalEquations,
