@@ -201,7 +201,7 @@ pub enum CmodError {
         time: f64,
     },
     /// Arrays of readings that belong together differ in length.
-    #[error("{array} has {found} readings, expected {expected}, one per time")]
+    #[error("{array} has {found} values, expected {expected}, one per time")]
     ReadingCount {
         /// Name of the wrong array.
         array: &'static str,
@@ -221,8 +221,8 @@ pub enum CmodError {
         /// Condition that the value violates.
         expected: &'static str,
     },
-    /// There are too few readings for the request.
-    #[error("{found} readings, expected at least {expected}")]
+    /// There are too few data points for the request.
+    #[error("{found} data points, expected at least {expected}")]
     TooFewReadings { found: usize, expected: usize },
     /// The test from which the fit starts does not exist.
     #[error("reference test {index} of {count} tests, expected an index below {count}")]
@@ -386,7 +386,7 @@ pub(crate) fn check_frequencies(frequency_hz: &[f64]) -> Result<(), CmodError> {
     Ok(())
 }
 
-/// Accepts `found` readings if at least `expected` are needed.
+/// Accepts a number of data points `found` that is at least `expected`.
 pub(crate) fn check_enough_readings(found: usize, expected: usize) -> Result<(), CmodError> {
     if found >= expected {
         Ok(())

@@ -206,7 +206,7 @@ fn what_has_no_causal_estimate_is_refused() {
     let few = ModulusData::new(&points(2, 1e6)).unwrap();
     assert_eq!(
         CausalEstimate::new(&few).unwrap_err().to_string(),
-        "2 readings, expected at least 3"
+        "2 data points, expected at least 3"
     );
     let negative: Vec<ModulusPoint> = points(5, 1e6)
         .into_iter()

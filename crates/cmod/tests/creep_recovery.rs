@@ -607,7 +607,7 @@ fn residuals_tell_no_errors_without_a_degree_of_freedom() {
         RecoveryFit::new(&three, GIVEN, ErrorScale::FromResidual)
             .unwrap_err()
             .to_string(),
-        "3 readings, expected at least 4"
+        "3 data points, expected at least 4"
     );
 }
 
@@ -625,7 +625,7 @@ fn tests_that_say_nothing_are_refused() {
         RecoveryFit::new(&[], GIVEN, ErrorScale::Stated)
             .unwrap_err()
             .to_string(),
-        "0 readings, expected at least 3"
+        "0 data points, expected at least 3"
     );
     assert_eq!(
         paper_procedure(&clean_tests(), 5, 3100e6, (0.2, 5.0))

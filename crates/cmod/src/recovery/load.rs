@@ -358,7 +358,7 @@ mod tests {
         );
         assert_eq!(
             text(LoadHistory::from_samples(&[0.0, 1.0], &[1.0])),
-            "stress has 1 readings, expected 2, one per time"
+            "stress has 1 values, expected 2, one per time"
         );
         assert_eq!(
             text(LoadHistory::from_samples(&[0.0, -1.0], &[1.0, 2.0])),

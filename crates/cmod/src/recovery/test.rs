@@ -235,11 +235,11 @@ mod tests {
         let one = [1e-3; 2];
         assert_eq!(
             text(readings(&[1.0, 2.0], &[0.1], &one)),
-            "change of the loss factor has 1 readings, expected 2, one per time"
+            "change of the loss factor has 1 values, expected 2, one per time"
         );
         assert_eq!(
             text(readings(&[], &[], &[])),
-            "0 readings, expected at least 1"
+            "0 data points, expected at least 1"
         );
         assert_eq!(
             text(readings(&[1.0, 1.0], &one, &one)),

@@ -65,7 +65,7 @@ fn table_names_what_was_refused() {
     let text = comparison.to_string();
     assert_eq!(text.lines().count(), 1 + LAWS.len());
     assert!(
-        text.contains("Havriliak-Negami     4 readings, expected at least 5"),
+        text.contains("Havriliak-Negami     4 data points, expected at least 5"),
         "{text}"
     );
 }
