@@ -57,8 +57,8 @@ use rodwave::medium::modulus_from_propagation;
 const MOST_STEPS: u32 = 50;
 /// Relative size of a Newton step below which the next step would be below rounding.
 const SMALLEST_STEP: f64 = 1e-12;
-/// Other starting points, as advances of the phase, that are tried if the first iteration diverges
-/// or ends a quarter wave away.
+/// Phase differences between the expected root and other starting points, which are tried if the
+/// first iteration diverges or ends a quarter wave or more from the expected root.
 const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
 
 /// Equation g(γ) = f₁/f₂ of one arrangement of sections.
@@ -69,7 +69,8 @@ pub(crate) trait SectionRatio: Sized {
     /// omitted.
     fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2];
 
-    /// Returns the distance for counting half waves \[m\], which is the length of condition (ii).
+    /// Returns the distance \[m\] over which half waves are counted. It is also the length L of
+    /// condition (ii).
     fn distance(&self) -> f64;
 
     /// Returns the properties of the rod on which the ratio does not depend.

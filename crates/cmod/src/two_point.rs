@@ -156,7 +156,7 @@ impl TwoPoint {
     ///
     /// `variance` is the known E|δΨ|², of real and imaginary part together, for an error without
     /// preferred phase; 0 means data without noise. For a variance from the coherence of a few
-    /// blows, use [`TwoPoint::estimate_averaged`]. To first order the errors of the result are
+    /// hits, use [`TwoPoint::estimate_averaged`]. To first order the errors of the result are
     ///
     /// ```text
     /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
@@ -186,7 +186,7 @@ impl TwoPoint {
         ))
     }
 
-    /// Returns the complex modulus from spectra averaged over several blows: the variance follows
+    /// Returns the complex modulus from spectra averaged over several hits: the variance follows
     /// from the coherence by [`variance_from_coherence`], and the errors have 2(n - 1) degrees of
     /// freedom.
     ///
@@ -338,7 +338,7 @@ impl TwoPoint {
             (ErrorSource::Density, -mass_ratio * density, 0.0, density),
             (ErrorSource::AccelerometerMass, mass, 0.0, 0.0),
         ];
-        // with capacity for the error of one-dimensional theory
+        // one more element for the error of one-dimensional theory
         let mut shifts = Vec::with_capacity(sources.len() + 1);
         let known = sources.into_iter().zip([length, diameter, density, mass]);
         let known = known.filter(|(_, uncertainty)| *uncertainty > 0.0);
@@ -440,7 +440,8 @@ mod tests {
 
     #[test]
     fn mass_ratio_is_that_of_paper_a() {
-        // Test 10: 2.9 g on 0.25π (10.7 mm)² 800 mm 1118 kg/m³ = 80.42 g
+        // Test 10: an accelerometer of 2.9 g on a rod of 0.25π (10.7 mm)² · 800 mm · 1118 kg/m³ =
+        // 80.42 g
         assert!((SPECIMEN.mass_ratio() - 2.9 / 80.42).abs() < 1e-5);
     }
 
@@ -511,7 +512,7 @@ mod tests {
         );
         let kept: Vec<_> = estimate.lines().iter().map(|line| line.index).collect();
         assert_eq!(kept, [1, 4]);
-        // a result without lines is also valid
+        // if every line is refused, the result has no lines, which is not an error
         let nothing = method.estimate(&[0.0], &[Complex64::ONE], &[0.0]).unwrap();
         assert!(nothing.lines().is_empty() && nothing.refused().len() == 1);
         // a rigid specimen: Ψ = 1 at a frequency above 0 gives γ = 0

@@ -23,7 +23,8 @@ impl SelfCalibration {
     /// use cmod::{Specimen, TwoPoint};
     /// use num_complex::Complex64;
     ///
-    /// // a rod without end mass, 0.8 m, c = 1500 m/s, loss factor 0.05; the struck end is read 2 % too high
+    /// // a rod without end mass, 0.8 m, c = 1500 m/s, loss factor 0.05; the sensor at the struck
+    /// // end reads 2 % too high
     /// let frequency_hz: Vec<f64> = (1..=400).map(|j| 25.0 * f64::from(j)).collect();
     /// let ratio: Vec<Complex64> = frequency_hz
     ///     .iter()
@@ -97,7 +98,8 @@ impl<M: RatioMethod + ?Sized> RatioExperiment<'_, M> {
     fn measured(&self) -> Vec<ErrorSource> {
         let errors = self.lines.common.iter();
         let mut measured: Vec<ErrorSource> = errors.map(|error| error.source()).collect();
-        // a mass acts on the ratio like an error of a sensor, but not linearly if it is large
+        // an error of the mass changes the ratio like an error of a sensor, but not linearly if it
+        // is large
         if !measured.is_empty() && self.method.without_error_of_mass(0.0).is_some() {
             measured.push(ErrorSource::AccelerometerMass);
         }

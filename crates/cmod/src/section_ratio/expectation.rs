@@ -106,8 +106,8 @@ impl Expectation {
 mod tests {
     use super::*;
 
-    /// Follows a power law. The error is due to the curvature of the law, and outliers without
-    /// weight do not change the regression.
+    /// The regression follows lines on a power law, with an error due to the curvature of the law.
+    /// Outliers without weight do not change the regression.
     #[test]
     fn dispersion_is_followed() {
         let law = |omega: f64| Complex64::new(0.02, 1.0) * 9e-4 * omega.powf(0.97);

@@ -24,8 +24,8 @@ pub struct RatioLines<'a> {
     pub coherence: Option<&'a [f64]>,
     /// Common errors of the ratio, each with one entry per line; empty for exact sensors.
     pub common: &'a [RatioError],
-    /// Number of lines per line with independent noise. It is 1, or more if short pulses are part
-    /// of long records.
+    /// Ratio of the number of lines to the number of lines with independent noise. It is 1, or more
+    /// if short pulses are part of long records.
     pub lines_per_independent_line: f64,
 }
 

@@ -15,7 +15,7 @@ use crate::branch::{BranchDoubt, FASTEST_WAVE, SLOWEST_WAVE};
 /// Ratio of neighbouring speeds, which changes the phase by a fifth of a radian at one wavelength
 /// over the distance. The ratio is closer to 1 if lines beyond one wavelength are compared.
 const SPEED_RATIO: f64 = 1.03;
-/// Number of lines compared at each speed.
+/// Maximum number of lines compared at each speed.
 const LINES: usize = 24;
 /// Minimum number of lines compared, even if they are beyond one wavelength over the distance. It
 /// is smaller with a known delay, because dispersion over many waves then has a greater effect than

@@ -1,25 +1,25 @@
 //! Acceleration ratio and its variance from averaged spectra.
 //!
 //! In paper A, section 3, Ψ is the averaged cross-spectrum of both ends divided by the averaged
-//! auto-spectrum of the free end. This is the least-squares slope of â₁ on â₂ over n blows, an H₁
+//! auto-spectrum of the free end. This is the least-squares slope of â₁ on â₂ over n hits, an H₁
 //! estimate with the free end as input. The residual of â₁ has the mean square (1 - γ²) G₁₁, where
 //! γ² is the ordinary coherence, and n - 1 complex degrees of freedom. Its variance is n(1 - γ²)
-//! G₁₁/(n - 1), and the variance of the slope, a mean over n blows, is
+//! G₁₁/(n - 1), and the variance of the slope, a mean over n hits, is
 //!
 //! ```text
 //! E|δΨ|² = (1 - γ²) G₁₁ / ((n - 1) G₂₂) = |Ψ|² (1 - γ²) / ((n - 1) γ²)
 //! ```
 //!
 //! With n instead of n - 1, as often written, the variance would be right only for many averages:
-//! for ten blows it would be a tenth too small. The variance is estimated with 2(n - 1) real
+//! for ten hits it would be a tenth too small. The variance is estimated with 2(n - 1) real
 //! degrees of freedom. It scatters from line to line by the fraction 1/(n - 1)^½, and an error
 //! divided by the square root of the variance is distributed as Student's t. Neighbouring lines can
-//! share their information on the noise; see [`crate::section_ratio::pooling`].
+//! share their information on the noise; see [`crate::estimate::VarianceFreedom`].
 //!
 //! # Bias
 //! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). Since γ² <= 1/(1 + a), the
 //! bias is at most the fraction 1 - γ² of Ψ. Relative to the standard error of the real or
-//! imaginary part, it is at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows at γ² = 0.9994, this is a
+//! imaginary part, it is at most [2(n - 1) γ² (1 - γ²)]^½: for ten hits at γ² = 0.9994, this is a
 //! tenth of the standard error. Averaging does not remove the bias. The default error limits keep
 //! the bias small. If they are relaxed, a limit on the
 //! [coherence](crate::validity::AcceptanceLimits::coherence) is needed.
@@ -31,7 +31,7 @@ use crate::error::{CmodError, check_length};
 /// Excess of a coherence over 1 that is attributed to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Ratio of the accelerations of the ends from spectra averaged over several blows, at increasing
+/// Ratio of the accelerations of the ends from spectra averaged over several hits, at increasing
 /// frequencies. All arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct AveragedRatio<'a> {
