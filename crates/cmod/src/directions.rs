@@ -72,8 +72,7 @@ impl Directions {
                 if *s > 0.0 {
                     a * b / (s * s)
                 } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {
-                    // the vectors of singular values at the level of rounding have an error of this
-                    // size
+                    // a component this small may be due to rounding errors of the singular vector
                     0.0
                 } else {
                     f64::INFINITY * (a * b).signum()

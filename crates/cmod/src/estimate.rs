@@ -336,8 +336,8 @@ pub enum Refusal {
     /// have infinite weight.
     #[error("the noise is 0 for some gauges only, expected 0 for all gauges or for none")]
     NoiseOfSomeGauges,
-    /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges
-    /// that cannot separate the two waves.
+    /// The line agrees with any wave number: there is no signal, a node at the middle gauge, or the
+    /// gauges cannot separate the two waves.
     #[error("the gauges do not determine a wave number")]
     Undetermined,
     /// The wave is not on the first branch of the theory that was chosen to remove lateral inertia.

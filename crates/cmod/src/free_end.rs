@@ -1,5 +1,5 @@
-//! Modulus from two sections of a rod with a free end, while the waves overlap (Lundberg and Blanc,
-//! as used in Ödeen 1993, papers A and B).
+//! Modulus from overlapping waves at two sections of a rod with a free end (Lundberg and Blanc, as
+//! used in Ödeen 1993, papers A and B).
 //!
 //! Beyond the free end there is no force except the inertia of a mass m that may be attached to it.
 //! With the distance d from the end, and the displacement u positive towards the end,
@@ -20,8 +20,9 @@
 //! masses the equation is solved by iteration. The two-point method uses the ratio of two
 //! accelerations, with d₁ = L and d₂ = 0.
 //!
-//! One strain gauge and an accelerometer on the free end are also such a pair. Bacon's method
-//! ([`OneGauge`](crate::OneGauge)) requires separate pulses; this method allows overlapping pulses.
+//! The two sections may also be a strain gauge and an accelerometer on the free end.
+//! Bacon's method ([`OneGauge`](crate::OneGauge)) requires separate pulses; this method allows
+//! overlapping pulses.
 //!
 //! # Singular lines
 //! With Ψ = g(γ), γ is not determined where g' = 0; for d₁ = 2d₂ this is at kd₂ = nπ. Near these

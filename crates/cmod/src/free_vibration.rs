@@ -75,7 +75,7 @@ setters! { FreeVibration: uncertainty, limits }
 
 impl FreeVibration {
     /// Creates the method for a rod of this `length` L \[m\], with a guess of the wave speed [m/s],
-    /// from which the modes are numbered. The guess must be accurate to a fifth.
+    /// from which the modes are numbered. The guess must be accurate to 20 %.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and unless length and wave speed are finite and
@@ -92,7 +92,7 @@ impl FreeVibration {
         })
     }
 
-    /// Returns the poles of the modes in records of the free vibration of one or several blows,
+    /// Returns the poles of the modes in records of the free vibration after one or several hits,
     /// each record of any quantity at any section.
     ///
     /// # Errors

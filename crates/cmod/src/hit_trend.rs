@@ -1,9 +1,9 @@
 //! Trend of the modulus over the hits of a test, for example due to temperature or to a mounting
 //! that becomes loose.
 //!
-//! The modulus from one of n hits is less accurate by √n than the modulus from all hits. Its
-//! relative deviation from the modulus of all hits is averaged over the valid lines, with weights
-//! from their random errors,
+//! The random error of the modulus from one of n hits is √n times that of the modulus from all
+//! hits. The relative deviation from the modulus of all hits is averaged over the valid lines, with
+//! weights from their random errors,
 //!
 //! ```text
 //! ε_k = Σ_j w_j Re δ_kj / Σ_j w_j ,   w_j = |E_j|²/σ_j² ,   δ_kj = (E_kj - E_j)/E_j ,
@@ -57,7 +57,7 @@ impl HitTrend {
     /// # Errors
     /// [`CmodError::LengthMismatch`] unless there is a value of `over` for each hit.
     pub fn of(deviations: Vec<f64>, over: &[f64]) -> Result<Option<Self>, CmodError> {
-        check_length("places of the hits", over.len(), deviations.len())?;
+        check_length("abscissa of the hits", over.len(), deviations.len())?;
         if deviations.len() < FEWEST_HITS {
             return Ok(None);
         }
@@ -159,8 +159,8 @@ mod tests {
     use crate::section_ratio::RatioLines;
     use crate::{Specimen, TwoPoint};
 
-    /// Hits on a rod whose modulus differs from hit to hit, with the ratio cosh γL in closed form:
-    /// both functions return the differences of the moduli.
+    /// Compares [`deviation`] and [`deviations`] with the known changes of the modulus from hit to
+    /// hit, for a rod whose ratio is cosh γL.
     #[test]
     fn deviations_of_hits_are_the_differences_of_their_moduli() {
         let specimen = Specimen {

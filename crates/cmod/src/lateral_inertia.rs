@@ -66,7 +66,7 @@ const STEP: f64 = 1e-5;
 /// let corrected = inertia.correct(&apparent)?;
 /// let (before, after) = (&apparent.lines()[39], &corrected.modulus().lines()[39]);
 /// assert!((after.modulus.re / before.modulus.re - 1.032).abs() < 1e-3);
-/// // 2 × 0.02/0.40 of the correction
+/// // the common error is 2 × 0.02/0.40 of the correction
 /// assert!((after.systematic_error().storage_modulus / after.modulus.re - 0.0032).abs() < 3e-4);
 /// # Ok::<(), cmod::CmodError>(())
 /// ```

@@ -24,7 +24,7 @@
 //! For μ = 0 all roots are known in closed form. The right root is the one whose k is continuous
 //! and increases from 0; it is inferred from all lines together ([`branch`]). From this root the
 //! mass is increased in steps, and the root is followed ([`two_point`]). The variance of Ψ follows
-//! from the coherence of several blows ([`TwoPoint::estimate_averaged`]). Each line has covariances
+//! from the coherence of several hits ([`TwoPoint::estimate_averaged`]). Each line has covariances
 //! due to noise and due to the specimen ([`estimate`]), and a verdict ([`validity`]): a valid line
 //! has E' within 1 % and the loss factor within 5 %, unless other limits are set.
 //!
@@ -72,7 +72,7 @@
 //!     let impacted_end = (accelerometer * rod).inverse().transfer(free_end);
 //!     acceleration_ratio.push(impacted_end.velocity / free_end.velocity);
 //! }
-//! let variance = vec![1e-8; frequency_hz.len()]; // 0.01 %
+//! let variance = vec![1e-8; frequency_hz.len()]; // an error of 0.01 % for a ratio of 1
 //!
 //! let estimate = TwoPoint::new(specimen)?.estimate(&frequency_hz, &acceleration_ratio, &variance)?;
 //! for line in estimate.valid() {
@@ -82,7 +82,7 @@
 //! }
 //! assert!(estimate.valid().count() > 350); // the rest is below 400 Hz: wavelength above 5 L
 //!
-//! // with the errors of the specimen, a statement on each line
+//! // with the uncertainties of the specimen, each line has an expanded uncertainty
 //! let errors = SpecimenUncertainty { length: 3e-4, density: 0.9, ..Default::default() };
 //! let estimate = TwoPoint::new(specimen)?
 //!     .with_specimen_uncertainty(errors)?

@@ -219,8 +219,8 @@ mod tests {
         );
     }
 
-    /// Four lines far above 0 Hz fit several speeds, so all lines are in doubt unless the speed is
-    /// approximately known.
+    /// Several speeds agree with four lines far above 0 Hz, so all lines are in doubt unless the
+    /// speed is approximately known.
     #[test]
     fn few_lines_need_a_guess_of_the_speed() {
         let frequency_hz = [9000.0, 9500.0, 10000.0, 10500.0];

@@ -89,10 +89,10 @@ impl Resonances {
     /// frequencies `frequency_hz` \[Hz\].
     ///
     /// Each resonance is a line of the result, at the frequency of the resonance and with the index
-    /// of the nearest measured line. At least seven measured lines must be within 0.3 rad of the
-    /// resonance in kL; otherwise the resonance is refused as [`Refusal::FewLinesAtResonance`]. The
-    /// error of the polynomial at the resonance, from the variances of its lines, is propagated as
-    /// in the two-point method:
+    /// of the measured line that follows it. At least seven measured lines must be within 0.3 rad
+    /// of the resonance in kL; otherwise the resonance is refused as
+    /// [`Refusal::FewLinesAtResonance`]. The error of the polynomial at the resonance, from the
+    /// variances of its lines, is propagated as in the two-point method:
     ///
     /// ```text
     /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
@@ -236,7 +236,7 @@ struct Crossing {
     /// Number n of the resonance, from 1.
     order: u32,
     frequency_hz: f64,
-    /// Index of the nearest measured line.
+    /// Index of the measured line that follows the zero.
     index: usize,
     doubt: Option<Violation>,
 }

@@ -23,7 +23,7 @@ pub use coverage::coverage_factor;
 /// use cmod::estimate::ComplexCovariance;
 /// use num_complex::Complex64;
 ///
-/// // an error without preferred phase remains one under a complex factor
+/// // multiplication by a complex factor does not give an error a preferred phase
 /// let covariance = ComplexCovariance::circular(2.0).through(Complex64::new(0.0, 3.0));
 /// assert_eq!(covariance, ComplexCovariance { real: 9.0, imaginary: 9.0, mixed: 0.0 });
 /// ```
@@ -468,8 +468,8 @@ impl fmt::LowerExp for StandardError {
 mod tests {
     use super::*;
 
-    /// Compares the covariance with a sample of errors, with two given real components, that is
-    /// propagated through a complex function by differences.
+    /// Compares the propagated covariance of two independent shifts with the covariance of the
+    /// central differences of a complex function for these shifts.
     #[test]
     fn covariances_go_through_a_complex_derivative() {
         let function = |z: Complex64| z.exp() / z;
@@ -516,7 +516,7 @@ mod tests {
                 covariance(&polar, 1e-3, 2e-3),
             ),
         ] {
-            // differences of third order, 1e-6 of the error
+            // the central differences omit terms of third order, 1e-6 of the error
             let tolerance = 1e-5 * expected.mean_square();
             assert!((found.real - expected.real).abs() < tolerance);
             assert!((found.imaginary - expected.imaginary).abs() < tolerance);
@@ -545,7 +545,8 @@ mod tests {
                 (sum.imaginary, covariance.imaginary),
                 (sum.mixed, covariance.mixed),
             ] {
-                // the mean of 40 000 squares has a relative error of 0.7 %, taken four times
+                // the mean of 40 000 squares has a relative standard error of 0.7 %; the tolerance
+                // is four times as large
                 let error = sum / f64::from(n) - expected;
                 assert!(error.abs() < 0.03 * covariance.mean_square(), "{error}");
             }
@@ -554,8 +555,8 @@ mod tests {
         assert_eq!(unknown.draw(&mut random), Complex64::ZERO);
     }
 
-    /// Compares σ of E''/E' and of ω/k with central differences over an even sample of phases of a
-    /// circular error.
+    /// Compares σ of E''/E' and of ω/k with the root mean square of central differences for errors
+    /// of evenly spaced phases.
     #[test]
     fn errors_of_derived_quantities_are_gradients() {
         let modulus = Complex64::new(2.0e9, 0.3e9);
@@ -581,7 +582,7 @@ mod tests {
             velocity += (0.5 * (speed(delta * derivative) - speed(-delta * derivative))).powi(2);
         }
         let rms = |sum: f64| (sum / f64::from(phases)).sqrt();
-        // The differences are taken at 0.35 % of E, with a second-order error of 1e-5.
+        // The differences are for errors of 0.35 % of E: their relative truncation error is 1e-5.
         assert!((error.loss_factor / rms(loss_factor) - 1.0).abs() < 3e-5);
         assert!((error.phase_velocity / rms(velocity) - 1.0).abs() < 3e-5);
         assert!((error.storage_modulus / sigma - 1.0).abs() < 1e-14);

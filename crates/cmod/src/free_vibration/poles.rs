@@ -39,9 +39,9 @@ const BETTER: f64 = 0.5;
 const CHANGES_BEYOND: f64 = 5.0;
 /// Relative change of a decay rate that is required, in addition, to report it.
 const CHANGES: f64 = 0.03;
-/// Departure of a mode from the frequency to which the mode below leads, as a fraction of the
-/// spacing of the modes, above which it is reported. Lateral inertia shifts a mode by as much only
-/// if its wavelength is below about two diameters.
+/// Difference between the frequency of a mode and the frequency predicted from the mode below, as a
+/// fraction of the spacing of the modes, above which the mode is reported. Lateral inertia shifts a
+/// mode by as much only if its wavelength is below about two diameters.
 const DEPARTS: f64 = 0.1;
 /// Fraction of the sampling rate up to which modes are sought.
 const HIGHEST: f64 = 0.45;
@@ -76,7 +76,7 @@ pub struct Departure {
     pub order: u32,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Frequency to which the mode below leads \[Hz\].
+    /// Frequency predicted from the mode below \[Hz\].
     pub expected_hz: f64,
 }
 
@@ -112,7 +112,7 @@ pub struct Poles {
 
 impl Poles {
     /// Finds the modes at increasing `phases` κ, expected at the frequencies `hz_per_phase`·κ
-    /// \[Hz\], in records of the free vibration after one or several blows.
+    /// \[Hz\], in records of the free vibration after one or several hits.
     ///
     /// The DFT of a mode in white noise is, on every line k, with z = e^{sΔt},
     ///
@@ -264,8 +264,8 @@ impl Poles {
     }
 }
 
-/// Returns `length` samples of a record, starting when a mode that loses the fraction `decay` of
-/// its amplitude per sample has fallen to 1/e; `None` if the record is shorter.
+/// Returns up to `length` samples of a record, starting when a mode that loses the fraction `decay`
+/// of its amplitude per sample has fallen to 1/e; `None` if less than half of `length` remains.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -306,7 +306,8 @@ fn mean(fits: &[Fit]) -> Option<Mean> {
         .map(|fit| (fit.s - mean).norm_sqr() / fit.variance)
         .sum();
     let repeats = fits.len().saturating_sub(1) as f64;
-    // a complex value has two degrees of freedom
+    // the variance is E|δs|² of both parts of s: its estimate from n records has 2(n - 1) degrees
+    // of freedom
     let excess = if repeats > 0.0 {
         scatter / repeats
     } else {
@@ -378,14 +379,15 @@ impl Spectrum {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a line between 0 and the last"
+        reason = "the value is not negative, and the index is limited to the last line"
     )]
     fn line_at(&self, frequency_hz: f64) -> usize {
         let line = (frequency_hz / self.step_hz).round().max(0.0) as usize;
         line.min(self.lines.len().saturating_sub(1))
     }
 
-    /// Returns the strongest of the `counted` lines in a band, with its power.
+    /// Returns the strongest line in a band among those for which `counted` returns true, with its
+    /// power.
     fn strongest(
         &self,
         (from_hz, to_hz): (f64, f64),

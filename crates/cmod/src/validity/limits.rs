@@ -48,7 +48,7 @@ pub const COMMON_STANDARD_ERRORS_WITHIN: f64 = 2.0;
 /// ```
 /// use cmod::validity::AcceptanceLimits;
 ///
-/// // a material of low loss: its loss factor is sufficient to 20 %
+/// // a material of low loss, whose loss factor need only be accurate to 20 %
 /// let limits = AcceptanceLimits { loss_factor: 0.2, ..AcceptanceLimits::default() };
 /// assert_eq!(limits.storage_modulus, 0.01);
 /// ```
