@@ -353,7 +353,7 @@ impl<'a> MaterialCard<'a> {
 
     /// Creates a card for a random draw of the material. The series is moved by `standard[k]`
     /// standard uncertainties of the error k of [`Self::errors`]; the card has the given `density`
-    /// [kg/m³] and instantaneous `poisson_ratio`, and no comments. If `standard` holds standard
+    /// [kg/m³] and instantaneous `poisson_ratio`, and no comments. If `standard` contains standard
     /// normal numbers, the draws have the covariance of the fit, for a Monte Carlo calculation with
     /// the program.
     ///

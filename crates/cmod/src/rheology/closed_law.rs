@@ -15,7 +15,8 @@ pub(super) trait ClosedLaw: DifferentiableModulus + Sized {
     /// Mapping from coordinates to the parameters of the law.
     const LINK: Link = Link::Identity;
 
-    /// Returns a law of this type; of its values, only the reference of a law that has one is used.
+    /// Returns a law of this type with arbitrary parameters. The reference frequency of a law that
+    /// has one is `reference_omega`.
     fn any(reference_omega: Option<f64>) -> Result<Self, CmodError>;
 
     /// Describes the coordinates.

@@ -332,9 +332,9 @@ impl ModulusData {
         data.with_common_errors(common)
     }
 
-    /// Adds a further random error to moduli that contain a random draw from their estimated
-    /// variances; `normal` supplies standard normal numbers. Laws fitted to the resulting moduli
-    /// scatter by their stated random errors, which include the effect of the scatter of the
+    /// Adds a further random error to moduli that already contain a random error drawn from their
+    /// estimated variances; `normal` supplies standard normal numbers. Laws fitted to the resulting
+    /// moduli scatter by their stated random errors, which include the effect of the scatter of the
     /// estimated variances.
     #[must_use]
     pub fn with_scatter_of_weights(mut self, mut normal: impl FnMut() -> f64) -> Self {

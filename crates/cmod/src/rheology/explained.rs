@@ -1,10 +1,10 @@
 //! Part of the residual of a law that the common errors of the data do not explain.
 //!
 //! An error that all lines share, such as an error of the mass on the end of a rod, may distort the
-//! modulus by far more than noise does, and no law of the material describes this distortion.
-//! Compared with noise alone, the right law would be refused. Let the whitened shifts g_s of the
-//! common errors be the columns of G, and let r be the residual at the minimum. The common errors ξ
-//! that explain a part of r, and the unexplained part, follow from
+//! modulus by far more than noise does, and no law of the material describes this distortion. If
+//! the residual were compared with noise alone, the right law would be refused. Let the whitened
+//! shifts g_s of the common errors be the columns of G, and let r be the residual at the minimum.
+//! The common errors ξ that explain a part of r, and the unexplained part, follow from
 //!
 //! ```text
 //! min_ξ |r - G⊥ξ|² + |ξ|² ,   G⊥ = G - JJ⁺G ,

@@ -40,11 +40,11 @@ pub(super) struct Scene<'a, M: ?Sized> {
 }
 
 /// Smallest penalty in χ² for a loss. Together with the threshold it amounts to four standard
-/// deviations, which noise reaches at one place in 30 000.
+/// deviations, which noise reaches with a probability of 1 in 30 000.
 const LEAST_PRICE: f64 = 12.0;
 /// Largest number of minima that are judged in succession, each lower than the previous one.
 const ROUNDS: usize = 6;
-/// Logarithmic decrease at which a loss counts as vanished: e^-30 of its value.
+/// Decrease of the logarithm of a loss at which the loss counts as vanished: to e^-30 of its value.
 const VANISHED: f64 = 30.0;
 
 impl<M: Model + ?Sized> Scene<'_, M> {
@@ -71,8 +71,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             } * self.data.scatter.of_covariance;
             let common = self.common_shifts(&minimum, &information);
             let quantile = self.options.quantile(degrees_of_freedom);
-            // in the last round the minimum is kept; a lower minimum next to it leaves the ends of
-            // the interval open
+            // in the last round the minimum is kept even if there is a lower minimum next to it;
+            // the ends of the interval are then open
             let is_last = round + 1 == ROUNDS;
             let others = match self.others(&minimum, variance_factor * quantile * quantile) {
                 Err(_) if is_last => Ok(Vec::new()),
@@ -167,12 +167,13 @@ impl<M: Model + ?Sized> Scene<'_, M> {
 
     /// Returns the increase of χ² that defines the end of an interval, for each parameter.
     ///
-    /// A search for a loss at all places of the band always finds a loss, even if the material has
-    /// none. The data may have no loss unless χ² without the loss is larger by the threshold plus a
-    /// penalty. The penalty is g ln n for the g parameters of the loss (Schwarz), or
-    /// [`LEAST_PRICE`] if that is larger. If the data may have no loss, the interval of a parameter
-    /// of the loss ends only where χ² has risen by as much. The same applies to a parallel spring:
-    /// each can replace the other.
+    /// A search for a loss over the whole band always finds a loss, even if the material has none.
+    /// Therefore the data count as compatible with no loss unless χ² without the loss is larger by
+    /// the threshold plus a penalty. The penalty is g ln n for the g parameters of the loss
+    /// (Schwarz), or [`LEAST_PRICE`] if that is larger. If the data are compatible with no loss,
+    /// the interval of a parameter of the loss ends only where χ² has risen by the threshold plus
+    /// the penalty. The same applies to a parallel spring, because a spring and a loss can replace
+    /// each other.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();
         // the parameters of one branch vanish together

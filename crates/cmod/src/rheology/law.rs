@@ -19,9 +19,10 @@ use super::start::{self, Shape};
 use super::transient::Reading;
 use crate::error::{CmodError, check_positive};
 
-/// Writes [`Law`] and [`FittedLaw`] with their functions that have one arm per law. A row is a law
-/// of `rodwave`: its documentation, its variant, which has the name of its type, and its displayed
-/// name. What a fit needs of it is in its [`ClosedLaw`]. The count includes the last two laws.
+/// Defines [`Law`] and [`FittedLaw`] with their functions that have one arm per law. Each row is a
+/// law of `rodwave`: its documentation, its variant, which has the name of its type, and its
+/// displayed name. The coordinates and starting points for its fit are in its [`ClosedLaw`]. The
+/// count includes the last two laws, which have no row.
 macro_rules! laws {
     ($count:literal laws: $($(#[$doc:meta])+ $kind:ident $name:literal;)+) => {
         /// Law that can be fitted.

@@ -343,8 +343,8 @@ impl MasterCurve {
     ///
     /// The errors of the shifts of a master curve are correlated. Therefore [`Self::shift_laws`]
     /// gives the differences between neighbouring shifts far more weight than the shifts
-    /// themselves. If WLF does not hold within these errors, the fitted law may miss all shifts.
-    /// The laws fitted by scatter then describe the shifts.
+    /// themselves. If the shifts differ from WLF by more than these errors, the fitted law may miss
+    /// all shifts. The laws fitted by scatter then describe the shifts.
     ///
     /// # Errors
     /// The errors of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] for fewer than four
@@ -372,7 +372,7 @@ impl MasterCurve {
         let parameters = self.fit.parameters.len();
         let Some(first) = parameters.checked_sub(others.len()) else {
             return Err(CmodError::ChangedResult {
-                what: "parameters, the shifts among them",
+                what: "parameters, including the shifts",
                 found: parameters,
                 expected: others.len(),
             });

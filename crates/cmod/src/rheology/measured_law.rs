@@ -73,7 +73,8 @@ struct Held {
 
 impl Held {
     /// Returns the shortest change that reproduces enough of the effect of the `wanted` change, or
-    /// the longest change if none does. `signals` holds the signal-to-noise ratios S of the axes.
+    /// the longest change if none does. `signals` contains the signal-to-noise ratios S of the
+    /// axes.
     fn of(wanted: &[f64], signals: &[f64]) -> Self {
         let [shorter @ .., longest] = REACHES;
         let tried = shorter.into_iter();
@@ -161,9 +162,9 @@ impl MeasuredLaw {
             let held = Held::of(&wanted, &signals);
             if !held.is_enough() {
                 return Err(CmodError::CardUndetermined {
-                    what: "the effect of a common error on the law",
+                    what: "the change of the parameters due to a common error",
                     value: held.lost / held.effect,
-                    expected: "at most 0.5, the part that a change of the parameters by up to 3 does not reproduce",
+                    expected: "at most 0.5, the fraction of the effect of the error that a change by up to 3 does not reproduce",
                 });
             }
             let mut shift = vec![0.0; error.shift.len()];
@@ -332,8 +333,8 @@ mod tests {
                 let expected = fit.prediction(omega).unwrap().covariance;
                 for (part, found) in found.into_iter().enumerate() {
                     let expected = expected[part][part];
-                    // the two may differ: the prior reduces an error, and only the prediction
-                    // includes other orders of a series
+                    // the two variances may differ: the prior reduces an error, and only the
+                    // prediction includes other orders of a series
                     let least = fit
                         .signal_to_noise
                         .iter()
@@ -423,8 +424,8 @@ mod tests {
                 }
             };
             let off: Vec<Complex64> = odd.iter().zip(&wanted).map(|(o, w)| o - w).collect();
-            // no relaxing law can reproduce half of this error, a storage modulus that rises
-            // without a loss
+            // this error is a rise of the storage modulus without a loss, half of which no relaxing
+            // law can reproduce
             assert!(
                 rms(&off) < 0.6 * rms(&wanted) && rms(&even) < 0.25 * rms(&wanted),
                 "{}: {:e} and {:e} of {:e}",

@@ -229,7 +229,8 @@ mod tests {
     #[test]
     fn derivatives_of_every_law() {
         for law in Law::all(1150.0) {
-            // a series of two branches and a spring; the other laws know their number
+            // 5 coordinates for a series of two branches and a spring; the other laws have a fixed
+            // number of coordinates
             let model = law.model(5, Some(3e3)).unwrap();
             check(&*model, &coordinates(model.kinds()), &OMEGA);
         }

@@ -35,7 +35,8 @@ pub enum TransientTest {
 }
 
 impl TransientTest {
-    /// Returns the reading of a test whose ramp took the fraction `ramp` of the time.
+    /// Returns the quantity of a line of this test if the ramp took the fraction `ramp` of the time
+    /// of the line.
     pub(super) fn reading(self, ramp: f64) -> Reading {
         match self {
             Self::Relaxation => Reading::Relaxation { ramp },
@@ -228,9 +229,9 @@ impl ModulusData {
         place.and_then(of).unwrap_or(Complex64::ZERO)
     }
 
-    /// Returns the lines of the kind of `reading`. For tests over time, the times are counted from
-    /// the middle of the ramp. A smooth modulus is then nearly the modulus after a step (Zapas &
-    /// Phillips, *J. Res. Natl. Bur. Stand.* **75A** (1971) 33).
+    /// Returns the lines with the same quantity as `reading`, with any ramp. For tests over time,
+    /// the times are counted from the middle of the ramp. A smooth modulus is then nearly the
+    /// modulus after a step (Zapas & Phillips, *J. Res. Natl. Bur. Stand.* **75A** (1971) 33).
     pub(super) fn as_steps(&self, reading: Reading) -> Self {
         let is_own = |line: &usize| {
             self.readings

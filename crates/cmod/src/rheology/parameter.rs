@@ -194,7 +194,7 @@ pub enum Reason {
 /// Largest standard error that a message states; usually that of a logarithm.
 const MOST_STATED: f64 = 10.0;
 
-/// Returns what errors of the data leave of a parameter.
+/// Returns the consequence of the errors of the data for a parameter, as a part of a message.
 fn left_by(standard_error: f64) -> String {
     if standard_error <= MOST_STATED {
         format!("a standard error of {standard_error:.2}")

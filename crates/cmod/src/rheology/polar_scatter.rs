@@ -70,7 +70,7 @@ impl PolarScatter {
         })
     }
 
-    /// Returns the result of `fit`, whose argument are the errors with which the moduli are
+    /// Returns the result of `fit`, whose argument is the pair of errors with which the moduli are
     /// weighted: first [equal errors](Self::equal) of this `size`, then errors whose ratio is that
     /// of the scatters about the previous result, `scatter_about`, and whose geometric mean is
     /// `size`. The ratio is limited to the range from 1/10 to 10. The fits end if the ratio changes
@@ -133,15 +133,16 @@ mod tests {
     #[test]
     fn fits_end_where_the_ratio_settles() {
         let equal = PolarScatter::equal(0.01);
-        // no scatter, no difference and no number leave equal errors
+        // the errors remain equal without scatters, with nearly equal scatters, and with a ratio
+        // that is not a number
         for scatters in [&[][..], &[(0.05, 0.049)][..], &[(0.0, 0.0)][..]] {
             assert_eq!(fitted(scatters), (equal, 1));
         }
-        // 4 and then 4.4: the second is near the first
+        // the second ratio, 4.4, counts as equal to the first, 4
         let (weights, fits) = fitted(&[(0.04, 0.01), (0.044, 0.01)]);
         assert_eq!(fits, 2);
         assert!((weights.magnitude - 0.02).abs() < 1e-15 && (weights.phase - 0.005).abs() < 1e-15);
-        // a ratio beyond 10 counts as 10, and a ratio that never settles ends
+        // a ratio beyond 10 counts as 10, and the fits end even if the ratio never settles
         let (weights, fits) = fitted(&[(1.0, 1e-9), (1e-9, 1.0), (1.0, 0.0), (0.0, 1.0)]);
         assert_eq!(fits, 4);
         assert!((weights.magnitude / weights.phase - 10.0).abs() < 1e-12);

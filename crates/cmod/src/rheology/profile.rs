@@ -7,7 +7,8 @@ use super::model::Model;
 /// Range over which a parameter is followed on its scale, which is a factor of 1e21 for a
 /// logarithm. Beyond this range no law of this module depends on the parameter.
 const RANGE: f64 = 50.0;
-/// Distances beyond an end at which χ² is evaluated again: a plateau may follow a rise.
+/// Distances beyond an end at which χ² is evaluated again: after a rise, χ² may fall to a plateau
+/// below the threshold.
 const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
 /// Longest step of a walk along the profile.
 const LONGEST: f64 = 8.0;

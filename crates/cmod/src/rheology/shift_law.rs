@@ -39,11 +39,11 @@ pub struct Wlf {
     pub c1_standard_error: f64,
     /// Standard error of C₂ \[K\], to first order in the error of κ.
     pub c2_standard_error: f64,
-    /// Confidence interval of C₁ at the level of the fit of the master curve, as of the ratio β/κ.
-    /// Unlike the standard error it is also right for a large error of κ; an end is infinite if the
-    /// shifts do not exclude a straight line.
+    /// Confidence interval of C₁ at the level of the fit of the master curve, computed as for the
+    /// ratio β/κ. Unlike the standard error it is also right for a large error of κ; an end is
+    /// infinite if the shifts do not exclude a straight line.
     pub c1_interval: Interval,
-    /// Confidence interval of C₂ \[K\], as of the ratio 1/κ.
+    /// Confidence interval of C₂ \[K\], computed as for the ratio 1/κ.
     pub c2_interval: Interval,
     /// Parameter β [1/K], the slope of -ln a_T at Tᵣ.
     pub slope: f64,
@@ -215,7 +215,8 @@ fn of_ratio([p, q]: [f64; 2], [of_p, mixed, of_q]: [f64; 3], quantile: f64) -> I
     let (lower, upper) = if a > 0.0 {
         ((b - root) / a, (b + root) / a)
     } else if c > 0.0 {
-        // q = 0 is not excluded: of the two branches, the one of positive R
+        // q = 0 is not excluded: the values of R form two branches, of which the one with R > 0 is
+        // returned
         (c / (b + root), f64::INFINITY)
     } else {
         return UNBOUNDED;
@@ -403,8 +404,8 @@ mod tests {
     use super::*;
 
     /// Shifts of C₁ = 8 and C₂ = 180 K at nine temperatures with independent errors of a quarter of
-    /// a decade, for which κ is in the median 2.8 of its standard errors. In a numpy model of
-    /// 4000 draws, 95.1 % of the intervals contain C₁ and C₂, but only 91 % of the values are
+    /// a decade, for which the median of κ divided by its standard error is 2.8. In a numpy model
+    /// of 4000 draws, 95.1 % of the intervals contain C₁ and C₂, but only 91 % of the values are
     /// within 1.96 standard errors.
     #[test]
     fn intervals_of_the_constants_cover_them() {
@@ -443,12 +444,13 @@ mod tests {
             }
             identified += f64::from(wlf.constants_are_identified()) * share;
         }
-        // the standard deviation of a share of 95 % is 0.34 %: 1.4 % are four of them
+        // a fraction of 95 % of 4000 draws has the standard deviation 0.34 %; the tolerance is four
+        // times this value
         assert!(
             covered.iter().all(|c| (c - 0.95).abs() < 0.014),
             "{covered:?}"
         );
-        // the errors of first order do not reach this range
+        // the coverage by standard errors, which are of first order, is below this range
         assert!(by_errors.iter().all(|c| *c < 0.936), "{by_errors:?}");
         assert!((0.6..0.95).contains(&identified), "{identified}");
     }

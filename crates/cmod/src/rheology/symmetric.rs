@@ -6,8 +6,8 @@
 /// Number of rows, or columns of a factor, that are added to the sums together.
 const ROWS: usize = 4;
 
-/// Adds AᵀA to `sums`, `columns` by `columns`; `rows` holds A by rows. Entries below the diagonal
-/// are not valid.
+/// Adds AᵀA to `sums`, `columns` by `columns`; `rows` contains A by rows. Entries below the
+/// diagonal are not valid.
 pub(crate) fn add_products(sums: &mut [f64], rows: &[f64], columns: usize) {
     if columns > 0 {
         pulp::Arch::new().dispatch(Products {

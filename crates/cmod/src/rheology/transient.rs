@@ -56,12 +56,12 @@ impl Reading {
         }
     }
 
-    /// Returns true if two readings are of the same kind.
+    /// Returns true if both are the same quantity; the ramps may differ.
     pub(super) fn is_like(&self, other: Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(&other)
     }
 
-    /// Returns the reading that is linear in the springs of a law: relaxation in place of creep.
+    /// Returns the quantity that is linear in the springs of a law: relaxation in place of creep.
     pub(super) fn as_linear(self) -> Self {
         match self {
             Self::Creep { ramp } => Self::Relaxation { ramp },
@@ -83,7 +83,8 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Creates lines from angular frequencies [rad/s], or inverse times [1/s], with their readings.
+    /// Creates lines from angular frequencies [rad/s], or inverse times [1/s], with the quantity of
+    /// each.
     pub(super) fn new(omega: &'a [f64], readings: &'a [Reading]) -> Self {
         Self { omega, readings }
     }

@@ -109,11 +109,12 @@ fn shifts_and_their_law_are_found_with_their_errors() {
         refused += u32::from(laws.arrhenius_p_value < 0.01);
     }
     // The shifts are correlated: their 240 squares are equivalent to some tens of independent ones.
-    // The order, which is chosen from the same data, adds a little.
+    // The order, which is chosen from the same data, adds a little scatter.
     assert!((0.6..1.7).contains(&mean_square), "{mean_square}");
     // another order is never excluded completely, and its shifts scatter about the mean
     assert!(by_order > 100, "{by_order}");
-    // C₁ and C₂ are almost completely correlated: both intervals hold in 19 of 20 cases
+    // C₁ and C₂ are almost completely correlated: both intervals contain the true values in 19 of
+    // 20 cases
     assert!(covered >= 16, "{covered}");
     assert!(refused >= 18, "{refused}");
 }
@@ -233,9 +234,9 @@ fn the_data_choose_the_factors_of_rubber_elasticity() {
     assert!(not_refused >= 2, "{not_refused}");
 }
 
-/// Factors halfway between 1 and T/T_r, so that the data often admit both. The errors of the shifts
-/// then contain the difference between fits with either choice stated, with the probability of the
-/// choice that was not made.
+/// Factors halfway between 1 and T/T_r, so that the data often allow both choices. The errors of
+/// the shifts then contain the difference between the fits with each choice stated, weighted by the
+/// root of the probability of the choice that was not made.
 #[test]
 fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
     let law = four_branches();
@@ -291,7 +292,7 @@ fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
         let difference = other.shifts[12].log_shift - own.shifts[12].log_shift;
         let change = changes[first + 11] * last.standard_error / difference.abs();
         assert!((0.75..1.33).contains(&change), "{seed}: {change}");
-        // the constants of WLF have it too
+        // the errors of the WLF constants contain the difference, too
         let of_law = |curve: &MasterCurve| curve.shift_laws().unwrap().wlf.covariance[0][0];
         assert!(
             probability < 0.01 || of_law(&found) > of_law(&own),
@@ -302,7 +303,7 @@ fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
 }
 
 /// Test 6 of paper A: a rod of polypropylene, 799 mm long and 15.8 mm thick, with an accelerometer
-/// of 2.9 g, from 20 to 140 °C. The material is a fractional Zener model that shifts by WLF. It is
+/// of 2.9 g, from 20 to 140 °C. The material is a fractional Zener model with shifts by WLF. It is
 /// our choice, because the paper prints no numbers.
 #[test]
 fn test_6_of_paper_a() {
@@ -383,7 +384,7 @@ fn test_6_of_paper_a() {
     cut.fit.parameters.truncate(3);
     assert_eq!(
         cut.shift_laws().unwrap_err().to_string(),
-        "the changed result has 3 parameters, the shifts among them, expected at least 12"
+        "the changed result has 3 parameters, including the shifts, expected at least 12"
     );
 }
 
@@ -436,9 +437,9 @@ fn sweeps_that_cannot_be() {
 }
 
 /// A fractional material with five and with thirteen frequencies per temperature. The order of the
-/// series is not known, and without the scatter between orders the intervals of the shifts cover
-/// too seldom. With five frequencies the overlaps must be found to a small fraction of the distance
-/// between lines; otherwise most temperatures would count as not connected.
+/// series is not known, and without the scatter between orders the intervals of the shifts contain
+/// the true values too seldom. With five frequencies the overlaps must be found to a small fraction
+/// of the distance between lines; otherwise most temperatures would count as not connected.
 #[test]
 fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -652,7 +653,8 @@ fn errors_of_temperatures_are_errors_of_shifts_and_curve() {
         let expected = slope * by_kelvin * kelvin;
         lines += of_temperature.shift[near].norm() / expected.norm() / seeds as f64;
     }
-    // each mean is over some tens of independent squares, or over twelve
+    // the means of the shifts are over some tens of independent squares, the other means over
+    // twelve values
     assert!(
         (0.4..1.8).contains(&shifts) && unstated > 20.0,
         "{shifts}, {unstated}"

@@ -1,4 +1,4 @@
-//! Choice of the data between vertical factors of 1 and of rubber elasticity.
+//! Choice between vertical factors of 1 and those of rubber elasticity, made by the data.
 //!
 //! A constant factor and a shift of a curve have almost the same effect where the modulus is a
 //! power of frequency. Narrow bands and large errors may then leave both b_T = 1 and b_T = T/Tᵣ
@@ -14,13 +14,13 @@ use super::super::fit::RheologicalFit;
 use super::prepared::Prepared;
 use crate::estimate::ErrorSource;
 
-/// Fall of BIC from which the factors of rubber elasticity are used: positive evidence (Kass &
+/// Decrease of BIC above which the factors of rubber elasticity are used: positive evidence (Kass &
 /// Raftery 1995).
 const ENTROPIC: f64 = 2.0;
-/// Evidence from which the other factors are excluded: their probability is 5e-5.
+/// Difference of BIC above which the other factors are excluded: their probability is 5e-5.
 const EXCLUDED: f64 = 20.0;
 
-/// Choice between vertical factors b_T of 1 and T/Tᵣ, which the data made.
+/// Choice between the vertical factors b_T = 1 and b_T = T/Tᵣ, made by the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FactorChoice {
@@ -29,13 +29,13 @@ pub struct FactorChoice {
     /// BIC with the factors that were not chosen, minus BIC with the chosen ones.
     pub evidence: f64,
     /// Square root of the probability of the factors that were not chosen; 0 if they are excluded,
-    /// or if the rival of T/Tᵣ are estimated factors.
+    /// or if the alternative to T/Tᵣ is a fit with estimated factors.
     share: f64,
 }
 
 impl FactorChoice {
     /// Chooses by the `fall` of BIC from the fit without the factors of rubber elasticity to the
-    /// fit with them; `are_estimated` for a fit with estimated factors.
+    /// fit with them; `are_estimated` is true if the fit without them has estimated factors.
     pub(super) fn new(fall: f64, are_estimated: bool) -> Self {
         let is_entropic = fall > ENTROPIC;
         let evidence = if is_entropic { fall } else { -fall };
@@ -81,8 +81,8 @@ impl FactorChoice {
 
     /// Returns the changes of the parameters of a fit of the master curve, or of a law fitted to
     /// its [reduced lines](super::MasterCurve::reduced), if the other factors were chosen. They are
-    /// of first order, in standard errors without the error of the choice; 0 if the other factors
-    /// are excluded.
+    /// of first order, and in units of the standard errors without the error of the choice; 0 if
+    /// the other factors are excluded.
     #[must_use]
     pub fn changes(&self, fit: &RheologicalFit) -> Vec<f64> {
         let errors = fit.common_errors.iter();

@@ -1,4 +1,5 @@
-//! Scatter of the factors of the modulus, and the sweep at the reference compared with the others.
+//! Scatter of the factors of the modulus, and departure of the sweep at the reference temperature
+//! from the other temperatures.
 
 use statrs::statistics::{Data, OrderStatistics};
 
@@ -11,16 +12,17 @@ const FEWEST: usize = 5;
 const BEYOND_ERRORS: f64 = 2.0;
 /// Smallest scatter and smallest departure of ln b_T that are stated.
 const LEAST: f64 = 2e-3;
-/// Number of standard errors from which the reference departs from the other temperatures.
+/// Number of standard errors above which a departure of the reference is significant.
 const DEPARTS: f64 = 4.0;
-/// Normal standard deviation, as a multiple of the median of absolute deviations.
+/// Standard deviation of normal deviations, as a multiple of the median of their absolute values.
 const OF_MEDIAN: f64 = 1.4826;
 
 /// Departure of the sweep at the reference temperature from the other temperatures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ReferenceDeparture {
-    /// ln b, where b is the factor that the other temperatures give at the reference, expected 1.
+    /// ln b, where b is the factor that the other temperatures give at the reference; b = 1 is
+    /// expected.
     pub log_factor: f64,
     /// Standard error of ln b.
     pub standard_error: f64,
@@ -46,8 +48,8 @@ impl MasterCurve {
     /// of ln b_T. The factor 1 of the reference is included. `None` for fewer than five
     /// temperatures.
     ///
-    /// Such a scatter is that of samples which were clamped again for every temperature; the
-    /// modulus at the reference then has this error, which the errors of the curve do not include.
+    /// Samples that are clamped again for every temperature cause such a scatter. The modulus at
+    /// the reference then has this error, which the errors of the curve do not include.
     #[must_use]
     pub fn factor_scatter(&self) -> Option<f64> {
         let shifts = self.shifts.iter();
@@ -64,13 +66,14 @@ impl MasterCurve {
     /// standard uncertainty of the scale of one sweep, 0 if none is stated. `None` for fewer than
     /// four other temperatures with fitted factors.
     ///
-    /// The factors of the other temperatures have the error of the sweep at the reference in
-    /// common, so their mean is no more accurate than the best of them. The straight line of ln b_T
-    /// over temperature without the reference gives the factor expected there. Its slope is the
-    /// median of the slopes between all pairs, and its level the median of the levels with this
-    /// slope (Theil 1950, Sen 1968), which one wrong sweep among them hardly changes. The standard
-    /// error is the root of the sum of squares of the smallest error of a factor, the scatter
-    /// of the levels, 1.4826 times their median absolute deviation, and `scale_uncertainty`.
+    /// The factors of the other temperatures share the error of the sweep at the reference, so
+    /// their mean is no more accurate than the best of them. The straight line of ln b_T over
+    /// temperature without the reference gives the factor expected at the reference. The slope of
+    /// this line is the median of the slopes between all pairs, and its level is the median of the
+    /// levels with this slope (Theil 1950, Sen 1968); a single wrong sweep hardly changes them. The
+    /// standard error is the root of the sum of the squares of three parts: the smallest error of a
+    /// factor, the scatter of the levels (1.4826 times their median absolute deviation), and
+    /// `scale_uncertainty`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a `scale_uncertainty` that is negative or not finite.
@@ -92,7 +95,8 @@ impl MasterCurve {
     }
 }
 
-/// Returns the standard deviation of the second numbers about their straight line over the first.
+/// Returns the standard deviation of the second values of `points` about the straight line fitted
+/// to them over the first values.
 fn scatter_about_line(points: &[(f64, f64)]) -> Option<f64> {
     if points.len() < FEWEST {
         return None;
@@ -105,7 +109,7 @@ fn scatter_about_line(points: &[(f64, f64)]) -> Option<f64> {
     Some((squares * n / (n - 2.0)).sqrt())
 }
 
-/// Returns the departure of a value of 0 at 0 from the straight line of the `others` (place, value
+/// Returns the departure of the point (0, 0) from the straight line of the `others` (place, value
 /// and standard error), if it is significant.
 fn departure(others: &[(f64, f64, f64)], scale_uncertainty: f64) -> Option<ReferenceDeparture> {
     if others.len() + 1 < FEWEST {
@@ -135,8 +139,8 @@ fn departure(others: &[(f64, f64, f64)], scale_uncertainty: f64) -> Option<Refer
 mod tests {
     use super::*;
 
-    /// A straight line plus the orthogonal polynomial 2, -1, -2, -1, 2 of second order, whose sum
-    /// of squares is 14.
+    /// The points are a straight line plus 0.01 times the orthogonal polynomial 2, -1, -2, -1, 2 of
+    /// second order, whose sum of squares is 14. Only the polynomial contributes to the scatter.
     #[test]
     fn the_scatter_does_not_contain_the_straight_line() {
         let of = [2.0, -1.0, -2.0, -1.0, 2.0].into_iter().zip(290_u32..);
@@ -148,7 +152,8 @@ mod tests {
         assert_eq!(scatter_about_line(&points[..4]), None);
     }
 
-    /// Factors of nine temperatures around a reference whose sample was clamped again.
+    /// Returns the factors of eight temperatures around a reference. Without scatter, their
+    /// straight line has the value `at_reference` at the reference.
     fn factors(at_reference: f64, slope: f64, scatter: f64) -> Vec<(f64, f64, f64)> {
         let steps = (-4..=4).filter(|step| *step != 0);
         let factor = |step: i32| {
@@ -167,8 +172,9 @@ mod tests {
         } = departure(&factors(1.174, -1e-3, 0.003), 0.0).unwrap();
         assert!((level.exp() - 1.174).abs() < 0.005, "{level}");
         assert!((0.015..0.02).contains(&error), "{error}");
-        // within the errors, within a stated scale, with as much scatter among the others, on their
-        // straight line, and with one wrong neighbour
+        // no departure is reported if it is within the errors or within a stated scale, if the
+        // others scatter as much, if the reference is on their straight line, if one of them is
+        // wrong, or if there are too few of them
         assert_eq!(departure(&factors(1.04, 0.0, 0.003), 0.0), None);
         assert_eq!(departure(&factors(1.174, 0.0, 0.003), 0.1), None);
         assert_eq!(departure(&factors(1.174, 0.0, 0.1), 0.0), None);

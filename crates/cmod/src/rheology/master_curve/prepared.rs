@@ -67,7 +67,7 @@ impl Prepared {
         })
     }
 
-    /// The joint fit of a series, the shifts and, if needed, the factors.
+    /// Returns the problem of the joint fit of a series, the shifts and, if needed, the factors.
     pub(super) fn joint(&self, options: FitOptions) -> Joint<'_> {
         let count = self.sweep.temperatures.len();
         let steps = (0..count).filter(|step| *step != self.reference);
@@ -99,7 +99,7 @@ impl Prepared {
     }
 }
 
-/// Returns the value of the step of each line.
+/// Returns, for each line, the value of its temperature step.
 fn of_lines(
     sweep: &TemperatureSweep,
     of_step: &dyn Fn(usize) -> Option<usize>,

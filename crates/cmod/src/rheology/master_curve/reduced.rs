@@ -45,7 +45,7 @@ impl MasterCurve {
         let count = factors + shifts;
         if count > self.fit.parameters.len() {
             return Err(CmodError::ChangedResult {
-                what: "parameters, the shifts among them",
+                what: "parameters, including the shifts",
                 found: self.fit.parameters.len(),
                 expected: count,
             });
