@@ -54,7 +54,7 @@ use roots::{RootSearch, SolvedRoot};
 use spectra::WhiteLine;
 
 /// Maximum ratio of noise to signal of a valid line, as root mean squares over all gauges, that is,
-/// a signal of 10.5 dB above the noise.
+/// the signal is at least 10.5 dB above the noise.
 pub const MOST_NOISE: f64 = 0.3;
 
 /// Method for three or more gauges at any positions, by least squares.
@@ -127,8 +127,9 @@ impl MultiPoint {
     }
 
     /// Creates the method for a `rod` with two or more gauges before its free end at `free_end`
-    /// \[m\], where the strain is 0 and the slope of a motion is 0. The method can evaluate a
-    /// single shot on a long bar with two gauges, even where the waves overlap:
+    /// \[m\], where the strain is 0, and so is the slope of any motion (displacement, velocity or
+    /// acceleration). The method can evaluate a single shot on a long bar with two gauges, even
+    /// where the waves overlap:
     ///
     /// ```text
     /// ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    d = `free_end` - x .
@@ -233,8 +234,9 @@ impl MultiPoint {
     ///
     /// where all rows are divided by the noise of their gauge.
     ///
-    /// Where the gauges leave two roots near each other, the lines before and after the line decide
-    /// between them; if they do not, the line is [doubtful](crate::branch::BranchDoubt::OtherRoot).
+    /// If two roots near each other explain the gauges of a line equally well, the lines before and
+    /// after it decide between the roots; if they cannot, the line is
+    /// [doubtful](crate::branch::BranchDoubt::OtherRoot).
     ///
     /// # Errors
     /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],

@@ -1,10 +1,11 @@
 //! Choice between two roots of a line that explain the gauges equally well.
 //!
-//! With two gauges and a free end, or with three gauges, a line is solved by a ratio g(γ) = Ψ. Near
-//! g' = 0 there are two roots near each other, the minima of the misfit V at both are equal, and
-//! the iteration may converge to either of them. Only the neighbouring lines can distinguish the
-//! roots: γ/ω is smooth, so that its course through the lines before and after a line, a parabola
-//! over a quarter wave to either side, states the γ to be expected.
+//! With two gauges and a free end, or with three gauges, γ of a line is a root of g(γ) = Ψ, where Ψ
+//! is a ratio of measured values. Near g' = 0 there are two roots near each other: the minima of
+//! the misfit V at both are equal, and the iteration may converge to either of them. Only the
+//! neighbouring lines can distinguish the roots, because γ/ω is a smooth function of frequency. Its
+//! course near a line is a parabola, fitted to the lines within a quarter wave on either side; it
+//! gives the γ to be expected on the line.
 //!
 //! The farther apart the roots of a line are, the more reliable is the choice. The lines are
 //! therefore decided in the order of this distance, and every decided line contributes to the
@@ -17,8 +18,8 @@ use num_complex::Complex64;
 use super::projection::Objective;
 use crate::branch::{BranchDoubt, LEAST_CONFIDENCE};
 
-/// Standard deviation of the course of γ relative to γ, beyond the scatter of the lines about it:
-/// common errors of the gauges distort the course.
+/// Standard deviation of the course of γ due to common errors of the gauges, which distort the
+/// course, relative to γ. It adds to the error due to the scatter of the lines about the course.
 const COURSE_ERROR: f64 = 2e-3;
 /// Minimum number of lines that determine a course: two more than a parabola has coefficients.
 const FEWEST_LINES: usize = 5;
@@ -98,8 +99,8 @@ pub(super) struct Decision {
 }
 
 /// Decides between the two roots of each line that has two, and replaces `root` where the other
-/// root was chosen. `distance` is that over which waves are counted \[m\]. A line with too few
-/// neighbours keeps its root.
+/// root was chosen. `distance` is the distance over which waves are counted \[m\]. A line with too
+/// few neighbours keeps its root.
 pub(super) fn decide(lines: &mut [LineOnCourse], distance: f64) -> Vec<Decision> {
     let mut open: Vec<(usize, f64)> = lines
         .iter()
@@ -203,8 +204,8 @@ impl Course {
         (course.gamma.is_finite() && course.variance.is_finite()).then_some(course)
     }
 
-    /// Chooses the root with the larger probability, which is that of its misfit and of its
-    /// distance from the course.
+    /// Chooses the root with the larger probability, which follows from the misfit of the root and
+    /// from its distance from the course.
     fn choose(&self, place: usize, line: &LineOnCourse, distance: f64) -> Option<Decision> {
         let other = line.other?;
         let excess = line.excess(line.root.misfit.min(other.misfit));
@@ -283,7 +284,7 @@ mod tests {
         (10..45).map(line).collect()
     }
 
-    /// The iteration that converges to the wrong root is corrected, and a right root is kept.
+    /// A wrong root to which the iteration converged is replaced, and a right root is kept.
     #[test]
     fn the_root_on_the_course_is_chosen() {
         for is_wrong in [false, true] {
@@ -300,7 +301,7 @@ mod tests {
         }
     }
 
-    /// Roots nearer to each other than the course is known leave a doubt.
+    /// Two roots that are nearer to each other than the error of the course are doubtful.
     #[test]
     fn roots_that_the_course_does_not_distinguish_are_doubtful() {
         let mut lines = lines(Complex64::new(0.02, 0.02), false);

@@ -23,13 +23,13 @@ use crate::validity::Violation;
 /// alone.
 const NEAR: f64 = FRAC_PI_4;
 
-/// Line at its root.
+/// Solution of a line at one of its roots.
 pub(super) struct SolvedRoot {
     pub(super) line: SolvedLine,
     pub(super) fit: LineFit,
     pub(super) freedom: Option<VarianceFreedom>,
     pub(super) waves: Vec<TestWaves>,
-    /// Termination of the iteration to another root near the root found.
+    /// Termination of the iteration that found another root near this root, if there is one.
     other: Option<Termination>,
 }
 

@@ -91,7 +91,7 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
 /// | `tests` | `(n_tests)(n_gauges)(n_lines)` |
 /// | `noise` | `(n_gauges)(n_lines)` |
 ///
-/// Tests are not averaged: every blow has its own waves, and the propagation coefficient is common
+/// Tests are not averaged: every hit has its own waves, and the propagation coefficient is common
 /// to all tests.
 #[derive(Debug, Clone, Copy)]
 pub struct GaugeSpectra<'a> {
