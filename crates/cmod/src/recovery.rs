@@ -21,9 +21,9 @@
 //! t_r = (t₁/m) [σ_a/E₂ - {m t_a/t₁ + (σ_a/E₂)^(-m)}^(-1/m)]^(-m) ,   t₁ = 1/(B E₂^(m+1))
 //! ```
 //!
-//! These equations hold for a stress σ_a applied for a time t_a. Any other load history is
+//! These equations apply to a stress σ_a that acts for a time t_a. Any other load history is
 //! integrated ([`LoadHistory`]). Only the stress of the dashpot at unloading depends on the
-//! history, so eq. 4 holds after every load.
+//! history, so eq. 4 is valid after every load.
 //!
 //! # Errata
 //! - **Equation 5** is printed with t₁/(m\[..\]^(-m)), the outer exponent on the wrong side of the

@@ -169,12 +169,14 @@ impl RecoveryFit {
         })
     }
 
-    /// Compares the joint fit with the fits of the tests alone: χ² minus the sum of χ² of the
-    /// `singles`, which has n - p degrees of freedom for n numbers of single tests and p parameters.
-    /// `None` if the tests alone have no more numbers than the model has parameters.
+    /// Compares the joint fit with the fits of the tests alone. The difference is χ² of the joint
+    /// fit minus the sum of χ² of the `singles`. It has n - p degrees of freedom for the n numbers
+    /// that the single tests determine and the p parameters of the model. Returns `None` if the
+    /// single tests determine no more numbers than the model has parameters.
     ///
-    /// Each test may follow equation 4 although the tests contradict each other, for example after
-    /// a wrong stress. The readings of one test then hardly raise χ² of all readings.
+    /// The tests may contradict each other, for example after a wrong stress, although each of them
+    /// follows equation 4. The contradiction then hardly changes the probability of χ² of all
+    /// readings, which has many more degrees of freedom than the difference.
     #[must_use]
     pub fn disagreement(&self, singles: &[SingleTestFit]) -> Option<Disagreement> {
         let alone: f64 = singles.iter().map(|single| single.chi_squared).sum();
@@ -297,8 +299,8 @@ impl Errors {
             Some(_) if standard_error < IDENTIFIED_BELOW => Verdict::Identified,
             Some(reason) => Verdict::NotIdentifiable(reason),
         };
-        // the error of m is smaller the smaller m is: without E2 or k, only values of m that are
-        // too small would count as identified
+        // the smaller m is, the smaller is its error: without the condition on E2 and k, m would
+        // count as identified only where it is too small
         let others = self.parallel_modulus.max(self.rate);
         let exponent = judged(self.exponent.max(others));
         let parameters = at.parameters();

@@ -39,7 +39,8 @@ pub enum Reason {
     },
 }
 
-/// Largest standard error of a logarithm that is stated; a larger one is a factor without meaning.
+/// Largest standard error of a logarithm that a message states; a larger one corresponds to a
+/// factor without meaning.
 const MOST_STATED: f64 = 10.0;
 
 impl fmt::Display for Reason {
