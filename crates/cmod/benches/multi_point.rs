@@ -1,4 +1,5 @@
-//! Five gauges, 4096 lines, by least squares with errors; and three gauges in closed form.
+//! Benchmark of 4096 lines from three and from five gauges by least squares with errors, and from
+//! three gauges in closed form.
 #![allow(
     clippy::unwrap_used,
     missing_docs,
@@ -18,7 +19,7 @@ use rand_distr::{Distribution, StandardNormal};
 const LINES: usize = 4096;
 const NOISE: f64 = 0.01;
 
-/// Two waves in polypropylene to 10 kHz, 1 % noise.
+/// Returns the spectra of two waves in polypropylene at the gauges, with 1 % noise.
 fn spectra(positions: &[f64], frequency_hz: &[f64]) -> Vec<Vec<Complex64>> {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };

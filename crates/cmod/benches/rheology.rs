@@ -1,5 +1,5 @@
-//! A law of five parameters to 200 complex points; a Prony series of chosen order to a master curve
-//! of 206; the master curve itself.
+//! Benchmark of fits: laws of five parameters to 200 points, a Prony series of chosen order to 206
+//! points, and master curves.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

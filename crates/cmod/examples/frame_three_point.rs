@@ -32,7 +32,7 @@ use rodwave::modulus::ConstantQ;
 const DENSITY: f64 = 919.0;
 const DIAMETER: f64 = 0.016;
 const LENGTH: f64 = 0.800;
-/// Number of blows on the bar.
+/// Number of hits on the bar.
 const TESTS: usize = 10;
 /// Error of one strain, relative to the root mean square of all strains on its line.
 const NOISE: f64 = 0.01;
@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect();
 
     let five: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
-    // no line is invalid because of its error, because the figure shows the errors
+    // no line is rejected for a large error, because the figure shows the errors
     let any_error = AcceptanceLimits::NONE;
     let five_gauges = MultiPoint::new(rod(POSITIONS.to_vec()))?
         .with_limits(any_error)?
@@ -120,7 +120,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "/../../target/examples"
     ))?;
     println!(
-        "of {} lines, valid: {} by three gauges, {} by five; figure in {}",
+        "{} lines, {} valid with three gauges and {} with five; figure in {}",
         frequency_hz.len(),
         three_lines.len(),
         five_lines.len(),

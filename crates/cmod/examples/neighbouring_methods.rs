@@ -49,8 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frequency_hz: Vec<f64> = (1..=500_u32).map(|j| 20.0 * f64::from(j)).collect();
     let mut random = ChaCha8Rng::seed_from_u64(1993);
 
-    // accelerations of the ends, forces at the gauges (proportional to the strains), waves at the
-    // gauges
+    // measured spectra: accelerations of the ends, forces at the gauges (proportional to the
+    // strains), and waves at the gauges
     let mut ends = [Spectrum::default(), Spectrum::default()];
     let mut gauges = [const { Spectrum::new() }; 3];
     let mut waves = [const { Spectrum::new() }; 3];

@@ -37,7 +37,8 @@ const SPECIMEN: Specimen = Specimen {
     density: 912.0,
     accelerometer_mass: 2.9e-3,
 };
-/// Uncertainties of half a unit of the last printed digit, uniformly distributed.
+/// Standard uncertainties for errors that are uniformly distributed over half a unit of the last
+/// printed digit to either side.
 const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
     length: 0.29e-3,
     diameter: 0.029e-3,
@@ -54,7 +55,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let polypropylene = Medium::new(SPECIMEN.density, ConstantQ::new(2.6e9, 0.07, 1e4)?)?;
     let response = recorded(&polypropylene)?;
     let lines = response.frequency_hz.partition_point(|f| *f <= HIGHEST_HZ);
-    let coherence = response.coherence.as_ref().ok_or("ten blows have one")?;
+    let coherence = response
+        .coherence
+        .as_ref()
+        .ok_or("no coherence of ten hits")?;
     let estimate = TwoPoint::new(SPECIMEN)?
         .with_specimen_uncertainty(UNCERTAINTY)?
         .estimate_averaged(&AveragedRatio {
@@ -79,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             &|f| exact(f).im / exact(f).re,
         ),
     ];
-    let title = "Test 6 of paper A, ten blows, 12 bits; bands of two standard errors";
+    let title = "Test 6 of paper A, ten hits, 12 bits; bands of two standard errors";
     let path = Figure::new("polypropylene_two_point", title, panels).write_to(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../target/examples"
@@ -89,8 +93,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Returns the averaged frequency response of ten blows of 100 N and 80 µs on the rod, recorded
-/// with filter, noise and converter.
+/// Returns the averaged frequency response of ten hits of 100 N and 80 µs on the rod, recorded with
+/// filter, noise and converter.
 fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<dyn Error>> {
     let rig = end_accelerations::Specimen {
         section: Circle::of_diameter(SPECIMEN.diameter)?.into(),
@@ -108,7 +112,7 @@ fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<
         ("struck end", exact.impacted_end),
         ("free end", exact.free_end),
     ];
-    // the record begins a millisecond before the blow
+    // the record begins a millisecond before the hit
     let lead = count / 64;
     let samples = Array2::from_shape_fn((2, count), |(channel, sample)| {
         let history = &ends[channel].1;
@@ -185,7 +189,7 @@ fn report(estimate: &ModulusEstimate) {
     }
     if let Some(line) = estimate.valid().nth(valid / 2) {
         println!(
-            "{:.0} Hz: E = {:.4e} Pa, standard errors {:.1e} by noise and {:.1e} by the specimen",
+            "{:.0} Hz: E = {:.4e} Pa, standard errors {:.1e} due to noise and {:.1e} due to the specimen",
             line.frequency_hz,
             line.modulus,
             line.random_error(),

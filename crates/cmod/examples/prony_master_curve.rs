@@ -7,7 +7,8 @@
 //! ```
 //!
 //! The program writes `target/examples/prony_master_curve.svg`. The paper prints no numbers; the
-//! material, a fractional Zener model that shifts by Williams, Landel and Ferry, is our choice.
+//! material, a fractional Zener model with shifts by the law of Williams, Landel and Ferry, is our
+//! choice.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
