@@ -75,15 +75,15 @@ fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
                 shares.extend(pairs.map(|(own, line)| own / line));
             }
         }
-        // root mean square of 80 values, within four standard deviations of chance
+        // root mean square of 80 values; the limits are four of its standard deviations
         let size = root_mean_square(&of_sizes);
         assert!((0.68..1.32).contains(&size), "{name}: {size}");
-        // 68 and 95 %; the lines of a record share its errors, so the fractions scatter like those
-        // of 40 values
+        // 68 and 95 % are expected; the errors of the lines of a record are correlated, so the
+        // fractions scatter like those of 40 values
         let coverage = [within(&z, 1.0), within(&z, 1.96)];
         assert!((0.58..0.80).contains(&coverage[0]), "{name}: {coverage:?}");
         assert!((0.88..0.998).contains(&coverage[1]), "{name}: {coverage:?}");
-        // more than seven of 40 have a probability of 0.1 %
+        // the probability of more than seven of 40 is 0.1 %
         assert!(contradictions <= 7, "{name}: {contradictions}");
         shares.sort_by(f64::total_cmp);
         assert!(
@@ -125,7 +125,8 @@ fn singular_lines_come_back() {
         let found = causal.at(line.frequency_hz).unwrap();
         let error = found.modulus - truth;
         let [storage, loss] = stated(&causal, line.frequency_hz);
-        // each line fails a limit of 100 % of the loss factor for five of its own standard errors
+        // five standard errors of each of these lines alone exceed the limit of 100 % of the loss
+        // factor
         assert!(5.0 * loss < 0.2 * truth.im, "{}", line.frequency_hz);
         assert!(error.re.abs() < 4.0 * storage && error.im.abs() < 4.0 * loss);
     }
@@ -183,7 +184,7 @@ fn covariance_of_a_frequency_with_itself_is_its_covariance() {
         assert!((own[i][j] - between[i][j]).abs() < 1e-12 * own[0][0]);
         assert!((swapped[0][i][j] - swapped[1][j][i]).abs() < 1e-12 * own[0][0]);
     }
-    // neighbouring frequencies share their error, distant frequencies do not
+    // the errors at neighbouring frequencies are correlated, those at distant frequencies are not
     let near = causal.covariance_between(800.0, 840.0).unwrap()[0][0];
     let far = causal.covariance_between(800.0, 2400.0).unwrap()[0][0];
     assert!(

@@ -1,5 +1,5 @@
-//! Recovery tests that are computed by a solver of these tests, with noise, and their evaluation by
-//! the fits.
+//! Recovery tests that a solver in this file computes, with noise, and their evaluation by the
+//! fits.
 
 use std::f64::consts::TAU;
 
@@ -150,7 +150,7 @@ fn noisy_tests(seed: u64, virgin: f64, clean: &[Vec<f64>]) -> Vec<RecoveryTest> 
 fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     let tests = clean_tests();
     let mut claims = Claims::default();
-    claims.by("tests of another solver without noise");
+    claims.by("tests without noise, computed by another solver");
     // the finite difference for η has an error of 1e-6, and ln B changes 17 times as much as m
     let of_generator = Within(3e-6, "the viscosity in the generator has an error of 1e-6");
     let worst = |found: &ThreeElementParameters| {
@@ -163,7 +163,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     let fit = joint(&tests);
     assert_eq!(fit.ending, Ending::Converged);
     claims.deviation(
-        "five tests together: relative errors of E_2 and B, and error of m, worst",
+        "five tests together: largest of the relative errors of E_2 and B and the error of m",
         of_generator,
         Ok(worst(&fit.model.parameters())),
     );
@@ -201,7 +201,7 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
 
     claims.by("paper C, section 3: one test has an infinite number of sets of parameters");
     claims.deviation(
-        "Test 2 alone: curves with m = 0.5, 1.8 and 4 against the readings",
+        "Test 2 alone: curves with m = 0.5, 1.8 and 4 compared with the readings",
         of_generator,
         Ok(one_test_gives_two_numbers(&tests)),
     );
@@ -289,7 +289,7 @@ fn readings_that_come_too_late_or_end_too_early_are_told() {
         ),
         "{early}"
     );
-    // an error of m counts only together with those of E2 and k, however small it is
+    // m counts as identified only together with E2 and k, however small its error is
     assert!(
         matches!(early.estimates[3].verdict, Verdict::NotIdentifiable(_)),
         "{early}"

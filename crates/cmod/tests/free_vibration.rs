@@ -25,7 +25,7 @@ fn method(bar: &RingingRod, wave_speed: f64) -> FreeVibration {
 fn free_vibration_tells_a_loss_factor_of_one_in_a_hundred_thousand() {
     const POWER: &str = "60 to 80 values: standard deviation of 3 % for a fraction of 95 %";
     let mut claims = Claims::default();
-    claims.by("waves back and forth on a damped line, noise, a converter of 16 bits");
+    claims.by("waves travelling along a damped line, with noise and a converter of 16 bits");
     for (loss, seconds, end_mass) in [
         (1e-4, 1.0, 0.0),
         (1e-4, 1.0, 0.004),
@@ -64,7 +64,8 @@ fn free_vibration_tells_a_loss_factor_of_one_in_a_hundred_thousand() {
         }
         let what = format!("ringing steel bar, loss factor {loss:e}, mass {end_mass} kg");
         println!("{what}: {within:?} of {count}, {worst:?}");
-        // 60 values or more scatter by 6 and 3 %; the tolerance is three standard deviations
+        // the fractions of 60 or more values scatter by 6 and 3 %; the tolerance is three standard
+        // deviations
         for (name, [one, two]) in ["E'", "loss factor"].into_iter().zip(within) {
             assert!((0.5..0.86).contains(&(one / count)), "{one} of {count}");
             claims.claim(
@@ -128,8 +129,8 @@ fn free_vibration_follows_the_errors_of_the_rod() {
     }
 }
 
-/// Reports a wrong guess of the wave speed, another vibration, a mode at a node, noise alone, and
-/// records that are not valid.
+/// A wrong guess of the wave speed, another vibration, a mode at a node, noise alone, and invalid
+/// records are reported.
 #[test]
 fn free_vibration_names_what_is_wrong() {
     let bar = RingingRod::steel(1e-4);
@@ -175,8 +176,8 @@ fn free_vibration_names_what_is_wrong() {
     assert!(method(&bar, 5000.0).poles(&[], bar.rate).is_err());
 }
 
-/// Two blows give the same mode with half the variance, or with the variance of their scatter if
-/// they differ.
+/// Several hits give the same mode with a smaller variance, or with the variance of their scatter
+/// if they differ.
 #[test]
 fn free_vibration_of_several_blows_is_averaged() {
     let bar = RingingRod::steel(1e-4);
@@ -191,7 +192,7 @@ fn free_vibration_of_several_blows_is_averaged() {
         let ratio = four.variance / one.variance;
         assert!((0.1..1.0).contains(&ratio), "{ratio}");
     }
-    // the rod warms up by some degrees between two of the blows
+    // the rod warms up by some degrees between two of the hits
     let warm = RingingRod {
         modulus: bar.modulus * 0.999,
         ..bar.clone()
@@ -210,8 +211,8 @@ fn free_vibration_of_several_blows_is_averaged() {
     }
 }
 
-/// Two seconds of a rod whose modes have decayed after a tenth of this time, and a rod whose decay
-/// rate falls to two thirds when the amplitude has fallen to a third.
+/// Evaluates two seconds of a rod whose modes have decayed after a tenth of this time, and a rod
+/// whose decay rate falls to two thirds when the amplitude has fallen to a third.
 #[test]
 fn free_vibration_that_is_over_early_is_found_and_a_changing_decay_is_named() {
     let bar = RingingRod::steel(0.02);
@@ -247,8 +248,8 @@ fn free_vibration_that_is_over_early_is_found_and_a_changing_decay_is_named() {
     );
 }
 
-/// A vibration stronger than mode 3, within the range in which that mode is sought, is taken for it.
-/// Its frequency does not follow from mode 2.
+/// A vibration that is stronger than mode 3, within the range in which mode 3 is sought, is taken
+/// for mode 3. This is reported, because the frequency found does not follow from mode 2.
 #[test]
 fn free_vibration_names_a_mode_that_is_another_vibration() {
     let bar = RingingRod::steel(1e-4);

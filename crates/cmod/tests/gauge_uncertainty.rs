@@ -119,8 +119,8 @@ fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
             for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
                 let (of_gamma, of_modulus) = shift(right, gauge);
                 let moved = wrong.propagation_coefficient - right.propagation_coefficient;
-                // the second order is of the order of (OFF k)² of γ, because there are no singular
-                // lines here
+                // the change of second order is of the order of (OFF k)² γ, because there are no
+                // singular lines here
                 let tolerance = 0.01 * of_gamma.norm() + 1e-7 * right.wave_number();
                 assert!(
                     (moved - of_gamma).norm() < tolerance,
@@ -168,7 +168,7 @@ fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
                     let mut shifts = right.uncertainty.systematic.iter();
                     let shift = shifts.find(|shift| shift.source == source).unwrap();
                     let moved = wrong.modulus - right.modulus;
-                    // relative to the shift, the second order is several times the error
+                    // the change of second order, divided by the shift, is several times the error
                     let tolerance = 0.02 * shift.modulus.norm() + 1e-9 * right.modulus.norm();
                     assert!(
                         (moved - shift.modulus).norm() < tolerance,

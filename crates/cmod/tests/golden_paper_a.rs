@@ -148,7 +148,7 @@ fn the_series_is_good_below_the_printed_mass_ratio() {
     );
     claims.by("paper A, eqs. 6 and 7: terms of a series in mu");
     claims.deviation(
-        "order of the error of two and four terms in the mass ratio, less two and four",
+        "order in the mass ratio of the error of two and four terms, minus two and four",
         Within(0.04, "the next order at mu = 0.002 and 0.004"),
         Ok(largest([
             order_of(MassSeries::two_terms) - 2.0,

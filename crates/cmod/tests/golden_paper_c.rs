@@ -132,7 +132,7 @@ fn changes_of_the_loss_factor_are_those_computed_apart() {
         Ok(of_time),
     );
     claims.claim(
-        "Tests 1 to 6: change of the loss factor at eight times, in per cent of it, worst error",
+        "Tests 1 to 6: change of the loss factor at eight times, in per cent of the virgin loss factor, worst error",
         "%",
         0.0,
         Within(5.001e-5, "half of the last digit"),
@@ -141,10 +141,13 @@ fn changes_of_the_loss_factor_are_those_computed_apart() {
     let parameters = polyoximethylene().parameters();
     let tail = parameters.series_modulus * (parameters.exponent + 1.0)
         / (parameters.parallel_modulus * omega * parameters.exponent);
-    claims.by("paper C, eqs. 4 and 5: the tail E_1 (m + 1)/(E_2 omega m t), all tests alike");
+    claims.by("paper C, eqs. 4 and 5: the tail E_1 (m + 1)/(E_2 omega m t), equal for all tests");
     claims.deviation(
-        "Tests 1 to 6: change of the loss factor 1e12 s after, worst",
-        Within(1e-8, "the recovery time, 2.6e3 s, over the time since"),
+        "Tests 1 to 6: change of the loss factor 1e12 s after unloading, worst error",
+        Within(
+            1e-8,
+            "the recovery time, 2.6e3 s, divided by the time after unloading",
+        ),
         Ok(largest(recoveries.iter().map(|(_, recovery)| {
             recovery.loss_factor_change(omega, 1e12) * 1e12 / tail - 1.0
         }))),

@@ -1,5 +1,5 @@
 //! Input that is wrong by accident or on purpose: values and sizes at the ends of the range,
-//! extreme materials and rods, and laws that must hold for any specimen.
+//! extreme materials and rods, and properties that estimates must have for any specimen.
 
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;

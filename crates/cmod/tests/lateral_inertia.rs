@@ -109,9 +109,9 @@ fn each_theory_leaves_the_error_that_is_stated() {
             }
             let error = line.modulus.re / exact.re - 1.0;
             let remaining = correction.remaining_error;
-            // The stated error holds for low losses and to the second term of a series in (πD/λ)²;
-            // at 3D its error is a quarter of its value. With the exact theory, which is solved in
-            // both directions, only rounding remains.
+            // The stated error is valid for low losses and to the second term of a series in
+            // (πD/λ)²; at 3D its error is a quarter of its value. With the exact theory, which is
+            // solved in both directions, only rounding remains.
             let tolerance = if theory == Theory::PochhammerChree {
                 1e-13
             } else {
@@ -165,7 +165,7 @@ fn theories_at_three_and_five_diameters() {
     claims
         .by("frequency equation of Pochhammer and Chree in 30 digits, nu = 0.4, loss factor 0.08");
     claims.deviation(
-        "E' and loss factor over those of the material, apparent at 5 D and after Love at 5 D and 3 D, worst difference",
+        "E' and loss factor divided by those of the material, apparent at 5 D and corrected by Love's theory at 5 D and 3 D, worst difference",
         Within(1e-4, "the interpolation between lines 1 kHz apart"),
         Ok(largest(differences.into_iter().flatten())),
     );
@@ -341,7 +341,7 @@ mod printed {
 }
 
 /// Checks that E' down to λ = 4 D is within its error and has no step: a causal law leaves only
-/// noise. A step of 0.1 % would make χ² ten thousand.
+/// noise. A step of 0.1 % would raise χ² to ten thousand.
 #[test]
 fn r03_modulus_has_no_step_and_a_causal_law_explains_it() {
     for seed in [1, 2, 3] {
@@ -434,7 +434,7 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
     for line in by_love.correct(&estimate).unwrap().modulus().lines() {
         let truth = printed::modulus(TAU * line.frequency_hz);
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
-        // the limit is the bound, which is √3 of the standard errors, plus the next term of the
+        // the limit is the bound, which is √3 times the standard error, plus the next term of the
         // series and four standard errors of noise
         let left = line.lateral_inertia_bound();
         let noise = line.random_error();
@@ -486,7 +486,8 @@ fn error_of_the_density_is_that_of_the_corrected_modulus() {
 }
 
 /// Compares the error of the diameter with the difference between rods of other diameters. With a
-/// mass on the end, the error of the estimate and that of the correction are one error.
+/// mass on the end, the diameter affects both the estimate and the correction, and the two effects
+/// are added as one error.
 #[test]
 fn error_of_the_diameter_is_that_of_the_estimate_and_of_the_correction_together() {
     let uncertainty = 1e-4 * DIAMETER;

@@ -65,17 +65,18 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
     for (k, _, expected) in coordinates {
         let parameter = &fit.parameters[k];
         let found = coordinate(parameter.scale, parameter.value);
-        // the iteration of this crate ends where χ² changes by less than rounding: the root of
-        // 1e-16, times some hundred degrees of freedom
+        // the iteration of this crate ends where χ² changes by less than its rounding error, 1e-16
+        // times some hundred degrees of freedom; the root of this change is the distance from the
+        // minimum in standard errors
         let in_errors = (found - expected).abs() / expected_error(k);
         assert!(
             in_errors < 1e-5,
             "{case}, {}: {found} {expected}, {in_errors:e} standard errors",
             parameter.name
         );
-        // differences of eighth order with steps of 1e-3 have errors of 1e-10. The errors change by
-        // no more than the 1e-5 by which the parameters may differ, for errors of some 1e-3 of the
-        // parameters: 1e-8
+        // differences of eighth order with steps of 1e-3 have errors of 1e-10. The parameters may
+        // differ by 1e-5 standard errors, which are some 1e-3 of the parameters; this changes the
+        // standard errors by 1e-8
         let ratio = parameter.standard_error / expected_error(k) - 1.0;
         assert!(
             ratio.abs() < 1e-7,

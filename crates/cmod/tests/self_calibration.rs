@@ -153,7 +153,8 @@ impl Rod {
         }
     }
 
-    /// Returns z of E' and E'' of a causal estimate on every fifth of its lines.
+    /// Returns the errors of E' and E'' of a causal estimate divided by their standard errors, on
+    /// every fifth of its lines.
     pub(crate) fn z_of_causal(&self, causal: &CausalEstimate) -> Vec<f64> {
         let lines = causal.lines().iter().step_by(5);
         lines
@@ -166,7 +167,8 @@ impl Rod {
             .collect()
     }
 
-    /// Returns z of E' and E'' on every fifth valid line.
+    /// Returns the errors of E' and E'' divided by their standard errors, on every fifth valid
+    /// line.
     fn z_of_modulus(&self, estimate: &ModulusEstimate) -> Vec<f64> {
         let lines = estimate.valid().step_by(5);
         lines
@@ -250,7 +252,7 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
             {
                 z.push((source.size - drawn) / source.standard_error);
             }
-            // information of the record on its sensors
+            // the standard errors show how accurately the record determines its sensors
             assert!(
                 gain_error.contains(&found.sources()[0].standard_error),
                 "{name}"
@@ -263,13 +265,13 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
         }
         for z in &of_sizes {
             let mean = z.iter().sum::<f64>() / z.len() as f64;
-            // mean of 40 values, within four standard deviations of chance
+            // mean of 40 values; the limit is four of its standard deviations
             assert!(mean.abs() < 0.64, "{name}: mean {mean}");
             let size = root_mean_square(z);
             assert!((0.55..1.45).contains(&size), "{name}: {size}");
         }
-        // 68 and 95 %; the lines of a record share its errors, so the fractions scatter like those
-        // of 40 values
+        // 68 and 95 % are expected; the errors of the lines of a record are correlated, so the
+        // fractions scatter like those of 40 values
         let coverage = [within(&of_modulus, 1.0), within(&of_modulus, 1.96)];
         assert!((0.58..0.80).contains(&coverage[0]), "{name}: {coverage:?}");
         assert!((0.88..0.995).contains(&coverage[1]), "{name}: {coverage:?}");
@@ -351,14 +353,15 @@ fn an_error_of_a_ratio_moves_a_line_by_its_shift() {
     }
 }
 
-/// Strains at gauges of a rod with a mass at each end, in tests with blows at either end.
+/// Strains at gauges of a rod with a mass at each end, in tests with hits at either end.
 struct Gauged {
     positions: Vec<f64>,
     noise: f64,
 }
 
 impl Gauged {
-    /// The gauges are `off` their positions \[m\] and read too much by `gains`.
+    /// Calibrates gauges whose positions are wrong by `off` \[m\], and whose measured values are
+    /// too large by the factors e^`gains`.
     fn calibrated(
         &self,
         (off, gains): (&[f64], &[f64]),
@@ -455,7 +458,7 @@ fn errors_of_gauges_are_found_within_their_errors() {
             of_modulus[1].extend(STIFF.z_of_causal(&causal));
         }
         for (of_sizes, of_modulus) in of_sizes.iter().zip(&of_modulus) {
-            // 120 and 200 sizes, which are correlated within a record
+            // 120 and 200 values, which are correlated within a record
             let size = root_mean_square(of_sizes);
             let coverage = [within(of_modulus, 1.0), within(of_modulus, 1.96)];
             assert!((0.75..1.3).contains(&size), "{n} gauges: {size}");
@@ -498,8 +501,9 @@ fn errors_that_are_none_are_refused() {
     );
 }
 
-/// Aluminium with a loss factor of 0.003, which is hidden in noise on every line. Lines on which
-/// noise makes the loss factor five times as large as its error must not be valid.
+/// A rod of aluminium with a loss factor of 0.003, which is hidden in noise on every line. Noise
+/// makes the loss factor of some lines five times as large as its error; these lines must become
+/// invalid by the comparison with their neighbours.
 #[test]
 fn a_loss_factor_that_is_only_noise_is_not_valid() {
     let rod = Rod {
@@ -524,7 +528,7 @@ fn a_loss_factor_that_is_only_noise_is_not_valid() {
         let judged = estimate.judged_by_neighbours().unwrap();
         left += judged.valid().filter(high).count();
     }
-    // the mean of sixteen lines also has noise
+    // some of these lines remain, because the mean of sixteen lines also has noise
     assert!(
         by_chance >= 100 && left * 10 < by_chance,
         "{left} of {by_chance}"

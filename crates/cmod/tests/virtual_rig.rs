@@ -1,5 +1,5 @@
 //! The tests of papers A and B as in a laboratory: exact histories at the sensors, anti-alias
-//! filter, noise, converter, ten blows, averaged spectra, modulus. The true values are known.
+//! filter, noise, converter, ten hits, averaged spectra, modulus. The true values are known.
 
 mod coverage;
 mod paper_a;
@@ -9,7 +9,7 @@ use labio::{AveragedSpectra, Record};
 use rand_distr::{Distribution, Uniform};
 use testbed::recorder::Recorder;
 
-/// Number of blows of a test (paper A, section 3).
+/// Number of hits of a test (paper A, section 3).
 const BLOWS: usize = 10;
 
 fn blows(recorder: &Recorder, seed: u64) -> Vec<Record> {
@@ -18,7 +18,7 @@ fn blows(recorder: &Recorder, seed: u64) -> Vec<Record> {
     recorder.blows(1.0, BLOWS, seed, drawn).unwrap()
 }
 
-/// Returns the spectra averaged over the blows of test `seed`.
+/// Returns the spectra averaged over the hits of test `seed`.
 fn averaged(recorder: &Recorder, seed: u64) -> AveragedSpectra {
     recorder.averaged(&blows(recorder, seed)).unwrap()
 }

@@ -14,8 +14,8 @@ use rand_chacha::ChaCha8Rng;
 use super::rig::{Clean, Rod, is_silently_wrong};
 use crate::materials::flat;
 
-/// Creates a runner with the same cases on every run. A doubt of 1 in 10 000 lines is allowed; with
-/// random cases this would fail one run in many.
+/// Creates a runner with the same cases on every run. The confidence required of a line allows one
+/// wrong line in 10 000, so with random cases one run in many would fail.
 fn runner(cases: u32) -> TestRunner {
     TestRunner::new_with_rng(
         Config::with_cases(cases),
@@ -90,7 +90,8 @@ fn no_line_is_silently_wrong() {
         .unwrap();
 }
 
-/// Arbitrary input, including NaN and infinities, gives a result, and most lines are not trusted.
+/// Arbitrary input, including NaN and infinities, gives a result in which most lines have no root
+/// or are doubtful.
 #[test]
 fn numbers_without_meaning_are_not_believed() {
     let number = prop_oneof![
@@ -122,7 +123,7 @@ fn numbers_without_meaning_are_not_believed() {
             Ok(())
         })
         .unwrap();
-    // Noise of the size of the signal is allowed for, so any material explains some of the signal.
+    // The estimated noise may be as large as the signal, so some material fits a few of the lines.
     assert!(believed.get() < 60 * cases / 50, "{}", believed.get());
 }
 
@@ -182,13 +183,13 @@ fn a_line_beyond_all_others_is_doubted_and_not_searched() {
         assert!(line.doubt.is_none() && other.doubt.is_none());
     }
     assert!(with_slip.records[0][60].confidence < 0.9);
-    // the same frequency error, but on all lines
+    // all lines have the same error of their frequencies
     let beyond: Vec<f64> = frequency_hz.iter().map(|f| f + 2e11).collect();
     let lost = track(&beyond[..60]);
     for line in &lost.records[0] {
         assert_eq!(line.doubt, Some(BranchDoubt::Undetermined));
     }
-    // some thousand roots for each line, seven times
+    // the limit corresponds to some thousand roots for each line, visited seven times
     let visited = counting.0.get();
     assert!(visited < 1_000_000, "{visited} roots");
 }

@@ -1,5 +1,5 @@
-//! Anchors for lines that do not determine the count of waves, and phases other than that of a free
-//! end.
+//! Anchors (a known wave speed, branch, wave number or second specimen) for lines that do not
+//! determine the count of waves, and phases other than that of a free end.
 
 use std::f64::consts::TAU;
 
@@ -91,7 +91,7 @@ fn a_wave_speed_decides() {
         .with_wave_speed(1.01 * speed, 0.01)
         .unwrap();
     assert_counted(&track(&tracker, &clean, &measured), &clean, 0);
-    // a guess with a large error does not
+    // a wave speed with a large error does not determine the count of waves
     let tracker = BranchTracker::new().with_wave_speed(speed, 0.3).unwrap();
     let tracked = track(&tracker, &clean, &measured);
     let (doubted, all) = doubted(&tracked, 0);

@@ -1,6 +1,6 @@
 //! Roots to which Newton's iteration as printed (paper A, eq. 5) converges, and roots from
-//! continuation, for a rod of polyamide 6 with a fifth of its loss, 800 mm, μ = 0.036, 1572 lines
-//! between 362 Hz and 20 kHz.
+//! continuation. The rod is 800 mm of polyamide 6 with a fifth of its loss and μ = 0.036; the 1572
+//! lines are between 362 Hz and 20 kHz.
 
 use cmod::{Solver, Specimen, TwoPoint};
 use num_complex::Complex64;
@@ -82,14 +82,15 @@ fn roots(clean: &Clean, measured: &Measured, solver: Solver) -> Roots {
     }
 }
 
-/// With 2 % noise two roots meet on the wrong side on 6 lines. After the comparison with the
-/// neighbouring lines some of them remain undecided; these lines are not valid.
+/// With 2 % noise, the path of the continuation passes, on 6 lines, on the wrong side of a point
+/// where two roots meet. After the comparison with the neighbouring lines some of them remain
+/// undecided; these lines are not valid.
 #[test]
 fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
     let clean = record();
     let mut claims = Claims::default();
     let mut unseen = 0;
-    claims.by("paper A, eq. 5, erratum: it converges to wrong roots, counted separately");
+    claims.by("paper A, eq. 5, erratum: the iteration converges to wrong roots; their number from a separate computation");
     for (noise, seeds, expected, within, by_continuation) in [
         (
             0.0,
@@ -131,7 +132,7 @@ fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
         }
         let percent = 100.0 * noise;
         claims.claim(
-            format!("noise of {percent} %: wrong roots by Newton as printed, worst of five draws"),
+            format!("noise of {percent} %: wrong roots by Newton as printed, worst draw"),
             "1",
             expected,
             within,

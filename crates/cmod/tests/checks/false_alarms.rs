@@ -4,8 +4,7 @@ use rodwave::modulus::Elastic;
 
 use super::*;
 
-/// Checks that losses within their errors are undecided, because they are neither positive nor
-/// negative.
+/// Checks that the passivity of a material with losses within their errors is undecided.
 #[test]
 fn losses_that_are_not_seen_are_undecided() {
     let undecided = (0..40)

@@ -1,4 +1,4 @@
-//! Variances of few hits, and noise from a short silence.
+//! Variances from few hits, and noise from a short silence before the hit.
 
 use cmod::estimate::VarianceFreedom;
 use cmod::section_ratio::{RatioLines, RatioMethod};
@@ -70,8 +70,8 @@ fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate
         .unwrap()
 }
 
-/// At a level of 5 % at most 6 of 40 correct records may fail. The probability of more is 1 in 300
-/// at the level, and less below the level.
+/// At a level of 5 %, at most 6 of 40 correct records may fail: more failures have a probability of
+/// 1 in 300, or less if the check fails less often than its level.
 #[test]
 fn r14_variances_of_few_hits_fail_no_right_record() {
     for (hits, pooled) in [(2, false), (3, false), (3, true), (5, true)] {
@@ -86,7 +86,7 @@ fn r14_variances_of_few_hits_fail_no_right_record() {
     }
 }
 
-/// Checks that few hits also detect a modulus that is not that of a relaxing material.
+/// Checks that few hits also detect a modulus that no relaxing material has.
 #[test]
 fn r14_few_hits_still_see_a_modulus_that_is_none() {
     let mut random = Noise::seeded(17);
@@ -123,8 +123,8 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
     assert!(kramers_kronig(&wavy, 0.01).unwrap().has_failed());
 }
 
-/// Noise that is estimated separately for each sensor and line, with 10 degrees of freedom: correct
-/// records pass.
+/// Correct records pass if their noise is estimated separately for each sensor and line, with 10
+/// degrees of freedom.
 #[test]
 fn r14_noise_from_a_short_silence_fails_no_right_record() {
     let (mut kept, mut taken) = (0, 0);
@@ -153,8 +153,8 @@ fn r14_noise_from_a_short_silence_fails_no_right_record() {
         kept += u32::from(known.has_failed());
         taken += u32::from(estimated.has_failed());
     }
-    // if the noise is treated as known, several records fail; at the level of 1 %, 4 of 30 failures
-    // happen once in 4000 times, and 3 once in 300
+    // if the noise is treated as known, several records fail; at the level of 1 %, four or more
+    // failures of 30 have a probability of 1 in 4000, and three or more of 1 in 300
     assert!(kept >= 4 && taken <= 2, "{kept} {taken}");
 }
 
@@ -231,10 +231,11 @@ fn r14_kramers_and_kronig_alarm_at_their_level() {
     });
     let (mean, below, seen) = case("3 gauges", &|random, loss| of_gauges(random, loss));
     assert_eq!(seen, 10, "a doubled loss");
-    // 150 records with a standard deviation of 0.04 each
+    // mean of 150 values with a standard deviation of 0.04 each; the limit is four of its standard
+    // deviations
     let mean = (few.iter().map(|(mean, ..)| mean).sum::<f64>() + mean) / 5.0;
     assert!((mean - 1.0).abs() < 0.013, "{mean}");
-    // 5 % of 150 and four standard deviations
+    // 5 % of 150, and four standard deviations more
     let below = few.iter().map(|(_, below, _)| below).sum::<u32>() + below;
     assert!(u64::from(below) * 25 <= 3 * 5 * seeds, "{below}");
 }

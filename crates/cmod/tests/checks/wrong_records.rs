@@ -20,8 +20,8 @@ impl ComplexModulus for ConstantBoth {
     }
 }
 
-/// Returns histories of the three strains with noise, sampled every 2 µs, 1.2 ms of them before the
-/// blow.
+/// Returns histories of the three strains with noise, sampled every 2 µs; 1.2 ms of them are before
+/// the hit.
 fn histories(random: &mut Noise, persistence: f64) -> Vec<Vec<f64>> {
     let positions = DISTANCES.map(|distance| LENGTH - distance);
     let member = FrameMember::analytic(
@@ -122,8 +122,8 @@ fn a_gauge_the_wrong_way_round_is_named() {
 fn a_channel_that_is_early_is_not_causal() {
     let mut random = Noise::seeded(9);
     let mut histories = histories(&mut random, 0.0);
-    // 80 µs early. The wave needs 0.63 ms to reach this section, 5 % more than the front, and rises
-    // slowly: a shift of less than some 40 µs is not impossible.
+    // The channel is 80 µs early. The wave needs 0.63 ms to reach this section, 5 % more than the
+    // front, and rises slowly: a shift of less than some 40 µs does not contradict causality.
     histories[2].rotate_left(40);
     let outcome = causality(&histories, USUAL_LEVEL);
     assert!(outcome.has_failed(), "{outcome}");

@@ -223,7 +223,7 @@ fn all_but_lossless_and_all_but_fluid() {
                     "method {method}, tan δ 1e{exponent}: {loss:e}"
                 );
             }
-            // for one gauge fewer lines are within five distances
+            // with one gauge, fewer lines have wavelengths below five distances
             if (-6..=-1).contains(&exponent) && method < 3 {
                 let valid = estimate.valid().count();
                 assert!(
@@ -244,7 +244,7 @@ fn rods_of_all_lengths() {
                 length,
                 diameter: 0.01 * length,
                 density,
-                // a wave speed of 1600 m/s in all of them
+                // the wave speed is 1600 m/s in all of them
                 modulus: density * 1600.0 * 1600.0,
                 ..Specimen::polymer()
             };

@@ -55,9 +55,9 @@ fn plans_of_positions() {
 /// digits are not compared; with waves of our own, its order of magnitude is compared.
 fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
     let [equal, unequal, five] = [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL].map(summary);
-    claims.by("errors of sets of positions over 0.2 m, computed separately for 1 % of noise (its material and reflection are not stated)");
+    claims.by("errors of sets of positions over 0.2 m, computed separately for 1 % of noise (the material and the reflection of this computation are not stated)");
     claims.deviation(
-        "three equal, three unequal and five equal distances: median error of the propagation coefficient, worst part",
+        "three equal, three unequal and five equal distances: median error of the propagation coefficient, worst difference",
         Within(0.25, "another reflected wave changes the result by a quarter"),
         Ok(largest([
             equal.0 / 6.3e-3 - 1.0,
@@ -66,12 +66,12 @@ fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
         ])),
     );
     claims.deviation(
-        "three equal, three unequal and five equal distances: fraction of the band with errors below 1 %, worst",
+        "three equal, three unequal and five equal distances: fraction of the band with errors below 1 %, worst difference",
         Within(0.04, "another reflected wave changes the result by four percentage points"),
         Ok(largest([equal.1 - 0.68, unequal.1 - 0.83, five.1 - 0.85])),
     );
     claims.deviation(
-        "three equal and three unequal distances: error at ka = 0.987 pi, worst part",
+        "three equal and three unequal distances: error at ka = 0.987 pi, worst difference",
         Within(0.5, "another reflected wave changes the result by half"),
         Ok(largest([equal.2 / 2.8e-2 - 1.0, unequal.2 / 2.8e-3 - 1.0])),
     );
@@ -93,7 +93,9 @@ fn three_equal_distances(claims: &mut Claims) {
     let frequency_hz = lines(500.0, 50.0, 200);
     let found = predict(&medium, &THREE_EQUAL, waves, 0.01, &frequency_hz).unwrap();
     assert_eq!(found.len(), 200);
-    claims.by("variance of gamma by (1/2 + Psi^2) sigma^2/(a e_0 sinh(gamma a))^2, moduli");
+    claims.by(
+        "variance of gamma by (1/2 + Psi^2) sigma^2/(a e_0 sinh(gamma a))^2, with absolute values",
+    );
     claims.deviation(
         "predicted error of three equal distances, 0.5 to 10 kHz",
         Within(2e-13, "rounding of a projection near singular lines"),
@@ -119,7 +121,7 @@ fn grids(claims: &mut Claims) {
         let spacing = common_spacing(positions, 1e-6).unwrap();
         assert!((spacing.unwrap() - expected).abs() < 1e-9);
     }
-    // the golden section has no common measure: the remainder is below a millimetre
+    // distances in the golden ratio have no common measure: the remainder is below a millimetre
     let golden = [0.0, 0.1 * (5.0_f64.sqrt() - 1.0), 0.2];
     assert!(common_spacing(&golden, 1e-4).unwrap().is_none());
 
@@ -158,7 +160,7 @@ fn impossible_plans_are_refused() {
     };
     assert!(predict(&medium, &THREE_EQUAL, nowhere, 0.01, &[1e3]).is_err());
     assert!(common_spacing(&THREE_EQUAL, 0.0).is_err());
-    // at 0 Hz there is no wave number and no error, but no NaN either
+    // at 0 Hz the wave number is 0, and its relative error is infinite and not NaN
     let at_rest = predict(&medium, &THREE_EQUAL, waves, 0.01, &[0.0]).unwrap();
     assert!(at_rest[0].relative_deviation.is_infinite());
 }

@@ -195,8 +195,8 @@ fn added_damping(claims: &mut Claims) {
     }
 }
 
-/// Spectra of a shot on the line s, starting at the end of its silence, with the noise of the
-/// silence.
+/// Spectra of a shot on the line s. They begin at the end of the silence before the wave, which
+/// gives the noise.
 struct Shot {
     frequency_hz: Vec<f64>,
     spectra: Vec<Vec<Complex64>>,
@@ -288,9 +288,9 @@ fn one_shot_on_a_ringing_bar_is_covered() {
         }
     }
     assert!(count > 2500.0, "{count} lines");
-    // some 12 lines have common noise, so 40 shots have 300 independent values, which scatter by
-    // 2.7 and 1.3 %; the tolerance is three times each. At the lower end errors are stated too
-    // large
+    // neighbouring lines share their noise, some 12 at a time, so 40 shots have 300 independent
+    // values, which scatter by 2.7 and 1.3 %; the tolerance is three times each. At the lower end
+    // of the band the stated errors are too large
     for [one, two] in within {
         assert!((0.60..0.80).contains(&(one / count)), "{}", one / count);
         assert!((0.91..0.99).contains(&(two / count)), "{}", two / count);
@@ -323,7 +323,7 @@ fn uncertain_density_does_not_move_the_modulus() {
     let mut n_lines = 0;
     for (exact, uncertain) in pairs.filter(|(exact, _)| exact.validity.is_valid()) {
         let off = (uncertain.modulus - exact.modulus).norm() / exact.modulus.norm();
-        // effect of an error of 3 % of the density that is not stated
+        // the limit is far below the effect of an error of 3 % of the density
         assert!(off < 1e-3, "{} Hz: {off:e}", exact.frequency_hz);
         n_lines += 1;
     }

@@ -13,7 +13,7 @@ const GAUGES: [f64; 2] = [1.5, 1.9];
 const FREE_END: f64 = 2.5;
 /// Added damping \[1/s\].
 const DAMPING: f64 = 773.0;
-/// Number of samples before the blow.
+/// Number of samples before the hit.
 const SILENT: usize = 250;
 
 /// Returns E(s) of a fractional Zener model of polypropylene.
@@ -53,7 +53,7 @@ fn shot(seed: u64) -> (Vec<f64>, Vec<Vec<Complex64>>, Vec<Vec<f64>>) {
 }
 
 /// On about 30 % of the shots the iteration alone converges to the other root at 2.45 kHz, whose E'
-/// is 4 % lower, twelve stated errors.
+/// is 4 % lower, or twelve stated errors.
 #[test]
 fn no_valid_line_has_the_other_root() {
     let rod = GaugedRod {
@@ -85,7 +85,7 @@ fn no_valid_line_has_the_other_root() {
             let stated = &line.standard_error;
             let storage = (line.modulus.re - exact.re) / stated.storage_modulus;
             let loss = (line.loss_factor - exact.im / exact.re) / stated.loss_factor;
-            // of 3000 values, one with normal errors exceeds 4.3 in 5 % of all tests
+            // with normal errors, the largest of 3000 values exceeds 4.3 with a probability of 5 %
             assert!(
                 storage.abs() < 5.0 && loss.abs() < 5.0,
                 "seed {seed}, {} Hz: {storage:.1} and {loss:.1} stated errors",

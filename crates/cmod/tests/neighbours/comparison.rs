@@ -1,8 +1,8 @@
 //! All methods on one virtual rod, in the manner of figure 3 of paper A, which compares two
 //! methods.
 //!
-//! A rod of polypropylene with accelerometers on both ends and strain gauges between is struck ten
-//! times. Every method gets the records that it would get in a laboratory, with white noise in
+//! A rod of polypropylene with accelerometers on both ends and strain gauges between them is struck
+//! ten times. Every method gets the records that it would get in a laboratory, with white noise in
 //! each. The histories are exact transforms of a chain of impedances, and pulses are cut out of
 //! them with rectangular windows.
 
@@ -99,7 +99,7 @@ impl Channel {
         };
         let edges = [window.start, window.end];
         let whole = self.spectra(frequency_hz, window);
-        // The truncation is the same in all blows and is not reduced by averaging, so one mean
+        // The truncation is the same in all hits and is not reduced by averaging, so one mean
         // spectrum is used from here on.
         let mean =
             |line: usize| whole.hits.iter().map(|hit| hit[line]).sum::<Complex64>() / HITS as f64;
@@ -200,8 +200,9 @@ fn assert_within_stated_errors(name: &str, least_count: usize, estimate: &Modulu
     );
 }
 
-/// Checks pulses that are cut out. Their error has the stated size, and a phase that turns with
-/// frequency: the root mean square is 1, but is taken over few turns only.
+/// Checks estimates from pulses that are cut out. The error due to the cut has the stated size, but
+/// its phase turns with frequency: the root mean square is taken over few turns only, and may
+/// differ from 1.
 fn assert_not_beyond_stated_errors(name: &str, least_count: usize, estimate: &ModulusEstimate) {
     let (root_mean_square, _) = deviations(name, least_count, estimate);
     assert!(

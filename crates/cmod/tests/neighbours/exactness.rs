@@ -120,7 +120,7 @@ fn every_method_finds_the_modulus_of_a_rod_without_noise() {
             "free end, seven pairs of strains and motions",
         ),
         (
-            "reflected over incident wave, exp(-2 gamma d) times that of the mass",
+            "ratio of the reflected to the incident wave, exp(-2 gamma d) times that at the mass",
             "one gauge, strain and velocity",
         ),
         ("exp(-gamma d) between two sections", "separate pulses"),
@@ -160,7 +160,7 @@ fn damping_of_one_gauge(claims: &mut Claims) {
         let expected = (0.5 * variance[line.index]).sqrt() / (2.0 * 0.3 * h);
         line.standard_error.damping_coefficient / expected - 1.0
     };
-    claims.by("variance of gamma by variance of H over (2 d H)^2");
+    claims.by("variance of gamma: variance of H divided by (2 d H)^2");
     claims.deviation(
         "one gauge before a free end: standard error of the damping coefficient",
         Within(2e-15, "some roundings"),

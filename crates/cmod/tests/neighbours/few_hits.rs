@@ -39,8 +39,8 @@ fn estimate(
     [of(&few).unwrap(), of(&known).unwrap()]
 }
 
-/// The errors are those of the known variance, and their degrees of freedom are stated. Five
-/// standard errors become forty, so fewer lines are valid.
+/// The errors are those of the known variance, and their degrees of freedom are stated. The factor
+/// of five standard errors becomes forty, so fewer lines are valid.
 fn assert_freedom([few, known]: &[ModulusEstimate; 2], expected: f64, method: &str) {
     assert!(known.lines().len() >= 3, "{method}");
     for (line, certain) in few.lines().iter().zip(known.lines()) {
@@ -122,7 +122,8 @@ fn r14_resonances_have_the_degrees_of_freedom_of_their_lines() {
         // there are some 10 lines within 0.3 rad of kL on either side
         let freedom = line.uncertainty.degrees_of_freedom.unwrap();
         assert!((8.0..80.0).contains(&freedom), "{freedom}");
-        // equal weights on lines whose error is a fraction of Ψ, compared with the best weights
+        // estimated variances give all lines equal weights, although their errors are fractions of
+        // Ψ; with known variances the weights are the best ones
         let quotient = line.standard_error.storage_modulus / certain.standard_error.storage_modulus;
         assert!((0.99..3.0).contains(&quotient), "{quotient}");
     }
@@ -183,7 +184,7 @@ fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
         diameter: DIAMETER,
         density: DENSITY,
     };
-    // 0.4 m at 1700 m/s, to the centre of energy of a pulse of some kilohertz
+    // delay of the centre of energy of a pulse of some kilohertz, over 0.4 m at 1700 m/s
     let delay = 0.4 * gamma(3000.0).im / (TAU * 3000.0);
     let one_dimensional = cmod::validity::AcceptanceLimits {
         greatest_poisson_ratio: 0.0,

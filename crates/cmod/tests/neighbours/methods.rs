@@ -1,4 +1,5 @@
-//! Every method on its own data of one rod, as a function of the assumed description of the rod.
+//! Every method with its own data of one rod. An estimate is a function of the assumed description
+//! of the rod.
 
 use std::f64::consts::TAU;
 

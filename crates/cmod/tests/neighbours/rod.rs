@@ -49,7 +49,7 @@ impl VirtualRod {
         Self { chain }
     }
 
-    /// Returns the quantity measured at a section, up to a real factor, for a blow of 1 N s.
+    /// Returns the quantity measured at a section, up to a real factor, for an impulse of 1 N s.
     pub(crate) fn at(&self, section: EndSection, omega: f64) -> Complex64 {
         let position = LENGTH - section.distance;
         let state = self

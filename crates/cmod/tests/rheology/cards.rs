@@ -243,7 +243,7 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
         "Abaqus (instantaneous and long-term moduli) and ANSYS, constant ratio and elastic bulk: worst modulus over ten decades",
         Within(
             1e-13,
-            "rounding of sums of five terms and of four roots, twice that where K and G are turned to E and back",
+            "rounding of sums of five terms and of four roots, twice as large where K and G are converted to E and back",
         ),
         Ok(largest(all_digits.into_iter().flatten())),
     );
@@ -515,8 +515,8 @@ fn l1_cards_begin_with_what_they_rest_on() {
     assert!(reason.contains("number of relaxations"), "{reason}");
 }
 
-/// 600 cards of random draws scatter like the data of the fit, with errors of the lines and one
-/// common error of all lines.
+/// 600 cards of random draws scatter by the errors that the fit predicts, for data with errors of
+/// the lines and one common error of all lines.
 #[test]
 fn l1_cards_of_draws_scatter_by_the_errors_of_the_modulus() {
     let law = law();
@@ -564,8 +564,9 @@ fn l1_cards_of_draws_scatter_by_the_errors_of_the_modulus() {
     }
 }
 
-/// A ratio of 0.38 where the modulus is a sixth of the instantaneous one would be -0.22 there; a
-/// ratio that is negative itself may be negative at all rates.
+/// A Poisson ratio of 0.38 at a frequency at which the modulus is a sixth of the instantaneous
+/// modulus gives an instantaneous ratio of -0.22, and the card is refused. If the stated ratio
+/// itself is negative, the ratio may be negative at all rates.
 #[test]
 fn a_card_has_no_negative_poisson_ratio_beside_a_positive_one() {
     let soft = series(1e8, &[(5e8, 1e-4)]);
@@ -580,7 +581,8 @@ fn a_card_has_no_negative_poisson_ratio_beside_a_positive_one() {
     assert!(at(-0.1, &series(1e8, &[(2e7, 1e-4)])).is_ok());
 }
 
-/// A single branch for data of four decades: the intervals of its card are those of a wrong series.
+/// A series of one branch does not explain data over five decades, and its card states this next to
+/// the intervals of its parameters.
 #[test]
 fn a_card_of_a_series_that_does_not_explain_its_data_says_so() {
     let frequency = logarithmic(1.0, 1e5, 60);

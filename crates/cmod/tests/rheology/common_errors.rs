@@ -131,7 +131,7 @@ fn the_right_law_is_not_refused_for_what_an_uncertain_mass_bends() {
     let mean = chi_squared / f64::from(repetitions);
     // with two tests at the level of 1 %, six alarms in 60 have a probability below 1e-3
     assert!(refused <= 4 && coloured <= 5, "{refused} {coloured}");
-    // an additional branch costs 2 ln 160, and is accepted in one record of a hundred
+    // an additional branch increases BIC by 2 ln 160, and is accepted in one record of a hundred
     assert!(branched <= 4, "{branched}");
     // mean of 60 values of χ² with 157 degrees of freedom; the tolerance is four times 0.0146
     assert!((mean - 1.0).abs() < 0.06, "{mean}");

@@ -17,7 +17,7 @@ const LAWS: [Law; 6] = [
 ];
 
 /// The true law is preferred to all laws that do not contain it. The Havriliak-Negami law contains
-/// it; this law costs one parameter more, and gains no more than chance.
+/// it; this law has one parameter more, and lowers χ² no more than by chance.
 #[test]
 fn true_law_is_preferred() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -41,16 +41,16 @@ fn true_law_is_preferred() {
         first += u32::from(best.law.law() == Law::FractionalZener);
         let (nested, truth) = (row(Law::HavriliakNegami), row(Law::FractionalZener));
         let gain = truth.fit.chi_squared - nested.fit.chi_squared;
-        // χ² of one degree of freedom: it exceeds 12 once in 2000; χ² of the larger law is never
-        // larger
+        // χ² of one degree of freedom exceeds 12 with a probability of 1 in 2000; χ² of the larger
+        // law is never above that of the law that it contains
         assert!((-1e-6..12.0).contains(&gain), "{comparison}");
         assert!(truth.difference < 12.0 - 5.7, "{comparison}");
         assert!(row(Law::GeneralisedMaxwell).difference > truth.difference + 6.0);
         assert!(row(Law::Zener).difference > 100.0);
         assert!(row(Law::KelvinVoigt).difference > row(Law::Zener).difference);
     }
-    // a gain of more than ln 300 = 5.7 has the probability 0.017; this happens for 2 of 10 seeds
-    // once in 80
+    // a gain of more than ln 300 = 5.7 has the probability 0.017; two of 10 seeds have such a gain
+    // with a probability of 1 in 80
     assert!(first >= 8, "{first}");
 }
 

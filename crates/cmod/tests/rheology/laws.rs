@@ -94,7 +94,7 @@ fn exact_data_return_their_law() {
         ));
     }
     let mut claims = Claims::default();
-    claims.by("parameters of the law that has made the modulus, among them the printed ones of paper E, eq. 7");
+    claims.by("parameters of the law from which the modulus is computed, among them the printed ones of paper E, eq. 7");
     claims.deviation(
         "Kelvin and Voigt, Zener, fractional Zener, Havriliak and Negami, power laws, two branches: worst parameter of a fit to exact data",
         // the last steps of the iteration are Newton steps
@@ -141,16 +141,18 @@ fn covariance_is_the_scatter_and_intervals_cover() {
                 }
             }
         }
-        // mean of 200 values of χ²/ν, each with the standard deviation √(2/ν) = 0.1: 0.007; four of
-        // these
+        // the mean of 200 values of χ²/ν, each with the standard deviation √(2/ν) = 0.1, scatters
+        // by 0.007; the tolerance is four times this value
         assert!((chi_squared - 1.0).abs() < 0.03, "{law}: {chi_squared}");
         for i in 0..p {
             let share = f64::from(covered[i]) / f64::from(seeds);
-            // binomial: 0.95 ± 0.0154; three of these above and below
+            // 0.95 ± 0.0154 by the binomial distribution; the limits are three standard deviations
+            // away
             assert!((0.90..=0.99).contains(&share), "{law}, {i}: {share}");
             for j in 0..p {
                 let scale = (stated[i][i] * stated[j][j]).sqrt();
-                // the scatter of a mean product of 200: (1 + r²)^½/√200 <= 0.1; four of these
+                // the mean of 200 products scatters by (1 + r²)^½/√200 <= 0.1; the tolerance is
+                // four times this value
                 assert!(
                     (sum[i][j] - stated[i][j]).abs() < 0.4 * scale,
                     "{law}, {i} {j}: {:e} {:e}",
@@ -213,7 +215,7 @@ fn predicted_errors_are_the_scatter_of_the_prediction() {
     }
     for sums in mean_square {
         for mean in sums {
-            // χ² of 200 values divided by 200 is 1 ± 0.1; the tolerance is three times this
+            // χ² of 200 values divided by 200 is 1 ± 0.1; the tolerance is three times this value
             assert!((0.7..1.35).contains(&mean), "{mean_square:?}");
         }
     }
@@ -243,8 +245,8 @@ fn residuals_tell_a_wrong_law() {
             assert!(wrong.bic > right.bic + 20.0);
         }
     }
-    // 0.05 of 200 cases is 10 ± 3.1, and the limit is three of these above. The two tests are
-    // nearly independent, so the number is not far below
+    // 10 ± 3.1 of 200 cases are expected at the level of 5 %, and the limit is three standard
+    // deviations above. The two tests are nearly independent, so the number is not far below 10
     assert!((1..=20).contains(&refused), "{refused}");
 }
 

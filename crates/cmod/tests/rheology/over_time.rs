@@ -162,8 +162,8 @@ fn series_from_relaxation_and_creep_cover() {
     }
 }
 
-/// A DMA at times above the shortest time and a relaxation test below: one law for both, with
-/// smaller errors than from either alone.
+/// Moduli over frequency, from 0.1 to 50 Hz, and a relaxation test from 1 to 3000 s are fitted by
+/// one law, with smaller errors than from either of them alone.
 #[test]
 fn moduli_over_frequency_and_over_time_are_fitted_together() {
     let law = series(1.2e6, &[(0.6e6, 0.03), (0.5e6, 2.0), (0.4e6, 150.0)]);
@@ -230,7 +230,7 @@ fn master_curve_of_relaxation() {
                 square += (error / own.standard_error).powi(2);
                 number += 1.0;
             }
-            // reduced lines contain the errors of the shifts: the true law fits them
+            // reduced lines include the errors of the shifts, so the true law fits them
             let reduced = curve.reduced(&sweep).unwrap();
             let fit =
                 PronyFit::with_order(&reduced, 5, &FitOptions::default().with_profiles(false));
@@ -291,7 +291,7 @@ fn what_cannot_be_is_refused() {
     }
     let creep = ModulusData::over_time(creep, 0.0, &points).unwrap();
     assert!(RheologicalFit::new(&creep, Law::KelvinVoigt, &options).is_ok());
-    // draws of weights change nothing if the errors are known
+    // a draw of the weights changes nothing if the variances are known
     let drawn = data.clone().with_scatter_of_weights(|| 1.0);
     assert_eq!(drawn.modulus(), data.modulus());
     assert!(matches!(

@@ -43,7 +43,7 @@ fn points_that_cannot_be() {
             "correlation of storage and loss modulus of point 1 is 1.5, expected a value between -1 and 1",
         ]
     );
-    // for a band without end, the grid of relaxation times would have no end
+    // over such a band the grid of relaxation times would be infinite
     for frequency_hz in [1e308, 1e-310] {
         assert_eq!(
             refused(&|p| p.frequency_hz = frequency_hz),

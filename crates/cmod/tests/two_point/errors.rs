@@ -250,7 +250,7 @@ fn of_noise(claims: &mut Claims) {
     );
 }
 
-/// Ten blows on one line, as complex numbers: errors divided by the root of their estimated
+/// Ten hits on one line, drawn as complex numbers: errors divided by the root of their estimated
 /// variance follow Student's distribution, not the normal distribution.
 fn of_ten_blows(claims: &mut Claims) {
     let (blows, repetitions) = (10_u32, 40_000_u32);
@@ -282,9 +282,9 @@ fn of_ten_blows(claims: &mut Claims) {
             }
         }
     }
-    claims.by("40 000 sets of ten blows: variance of Psi by (1 - coherence)/((n - 1) coherence), Student's t");
+    claims.by("40 000 sets of ten hits: variance of Psi by (1 - coherence)/((n - 1) coherence), Student's t");
     claims.claim(
-        "variance of Psi from the coherence of ten blows over the true one",
+        "variance of Psi from the coherence of ten hits, divided by the true variance",
         "1",
         1.0,
         Within(
@@ -313,7 +313,7 @@ fn of_ten_blows(claims: &mut Claims) {
             within[2],
         ),
     ] {
-        let what = format!("ten blows: errors of Psi within {name}");
+        let what = format!("ten hits: errors of Psi within {name}");
         claims.claim(what, "1", expected, within, Ok(found));
     }
 }
@@ -357,7 +357,7 @@ fn lines_whose_error_bends_are_marked() {
     };
     let (plus, minus) = (shifted(step.into()), shifted((-step).into()));
     for ((line, plus), minus) in estimate.lines().iter().zip(plus.lines()).zip(minus.lines()) {
-        // half waves of 0.15 and more: below, a step of 1e-4 is itself nonlinear
+        // lines below 0.15 half waves are omitted, because a step of 1e-4 is itself nonlinear there
         if half_waves(line) < 0.15 {
             continue;
         }

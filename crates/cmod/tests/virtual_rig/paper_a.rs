@@ -22,10 +22,10 @@ use crate::golden::{constant, golden};
 use crate::materials::{polyamide, polypropylene};
 use testbed::recorder::{BLOW, LEAD, OVERSAMPLING, RATE_HZ, Recorder, end_accelerations, name};
 
-/// Number of repetitions. Two hundred repetitions of ten tests of ten blows are 20 000 records.
+/// Number of repetitions. Two hundred repetitions of ten tests of ten hits are 20 000 records.
 const SEEDS: u64 = 200;
-/// The band of paper A for the longest specimens is 400 Hz to 20 kHz; the blow, of 80 µs, excites
-/// up to 20 kHz.
+/// The band of paper A for the longest specimens is 400 Hz to 20 kHz; a hit of 80 µs excites
+/// frequencies up to 20 kHz.
 const HIGHEST_HZ: f64 = 20e3;
 
 fn test(label: u32) -> (Specimen, String) {
@@ -67,14 +67,14 @@ impl Material {
         }
     }
 
-    /// Returns the exact accelerations of both ends under a blow of 100 N, which begins [`LEAD`]
+    /// Returns the exact accelerations of both ends under a hit of 100 N, which begins [`LEAD`]
     /// samples of the recorder after the start of the `n_samples`.
     fn accelerations(&self, rig: &Rig, n_samples: usize) -> [Vec<f64>; 2] {
         match self {
             Self::Polypropylene(medium) => end_accelerations(medium, rig, n_samples).unwrap(),
-            // A law that is only known on the real axis: one period is computed, in which the
-            // motion must have decayed. The law is not quite causal, so there is a small motion
-            // before the blow, at the end of the period.
+            // The law is only known on the real axis: one period is computed, in which the motion
+            // must have decayed. The law is not quite causal, so there is a small motion before the
+            // hit, at the end of the period.
             Self::Polyamide(medium) => {
                 let blow = RaisedCosine::new(BLOW.0, BLOW.1).unwrap();
                 let count = n_samples * OVERSAMPLING;
@@ -198,8 +198,8 @@ fn specimens_of_400_mm() {
     check(8, 16, SEEDS, 420);
 }
 
-/// The instruments of paper A, figure 2. 1257 lines, 16 Hz apart. The two hundred repetitions are
-/// spread over the four tests to save time; each test still has 45 000 valid lines, and the
+/// The instruments of paper A, figure 2, with 1257 lines, 16 Hz apart. The two hundred repetitions
+/// are spread over the four tests to save time; each test still has 45 000 valid lines, and the
 /// sampling error is at most 0.3 %.
 #[test]
 fn specimens_of_800_mm() {

@@ -22,7 +22,7 @@ use testbed::recorder::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 
 const SEEDS: u64 = 200;
 const N_SAMPLES: usize = 4096;
-/// Number of samples before the blow. A quarter of the record before the blow and a quarter at its
+/// Number of samples before the hit. A quarter of the record before the hit and a quarter at its
 /// end are tapered: the waves have decayed by then, and the slow motion of the bar on its beams,
 /// which has not decayed, ends without a step.
 const LEAD: usize = 1024;
@@ -99,7 +99,7 @@ impl Structure {
         }
     }
 
-    /// Returns the spectra (n_blows)(n_gauges)(n_lines) of test `seed`, each blow multiplied by the
+    /// Returns the spectra (n_hits)(n_gauges)(n_lines) of test `seed`, each hit multiplied by the
     /// phase of its first gauge.
     fn spectra(&self, seed: u64) -> Vec<Vec<Vec<Complex64>>> {
         let of_blow = |record| {
