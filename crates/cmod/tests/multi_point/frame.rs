@@ -99,7 +99,7 @@ pub(crate) fn noisy(
         .collect()
 }
 
-/// Returns one test without noise.
+/// Returns the spectra of `tests` with the noise of the gauges.
 pub(crate) fn clean<'a>(
     frequency_hz: &'a [f64],
     tests: &'a [&'a [Vec<Complex64>]],
