@@ -214,7 +214,7 @@ impl HitsSheet {
         }
     }
 
-    /// Enters the decisions by hand in the logs.
+    /// Adds the decisions made by hand to the logs.
     fn rule(&self, logs: &mut [(String, HitLog)], field: &str) -> Result<(), RodlabError> {
         let n_hits: usize = logs.iter().map(|(_, log)| log.hits().len()).sum();
         let lists = [("reject", &self.reject), ("accept", &self.accept)];

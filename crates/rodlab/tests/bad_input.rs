@@ -49,7 +49,7 @@ fn a_sampling_rate_in_a_wrong_unit() {
     ");
     insta::assert_snapshot!(with("65.536 MHz"), @r"
     status 2
-    error: source.hits.silent is `1.6 ms`, expected the time from the beginning of a record to its blow; a record is only 0.0312 ms long; is the sampling rate of 65.536 MHz right?
+    error: source.hits.silent is `1.6 ms`, expected the time from the beginning of a record to the impact; a record is only 0.0312 ms long; is the sampling rate of 65.536 MHz right?
     ");
 }
 

@@ -15,9 +15,9 @@ const MOVING: f64 = 0.1;
 const LONGER: f64 = 3.0;
 
 impl FoundHits {
-    /// Returns a reason for doubt for each of `outputs` that `input` outlasts more than three
-    /// times: a blow should end before the response to it. The durations are medians over the
-    /// accepted hits.
+    /// Returns a reason for doubt for each of `outputs` whose motion lasts less than a third as
+    /// long as that of `input`: an impact should end before the response to it. The durations are
+    /// medians over the accepted hits.
     pub(super) fn exchanged(
         &self,
         input: &str,
@@ -35,7 +35,7 @@ impl FoundHits {
             let of_output = duration(output)?;
             if of_input > LONGER * of_output {
                 doubts.push(format!(
-                    "the input `{input}` lasts {} ms, the output `{output}` {} ms: a blow ends before the response that it causes; input and output may be \
+                    "the input `{input}` lasts {} ms, the output `{output}` {} ms: an impact ends before the response that it causes; input and output may be \
                      exchanged, or `{output}` has a spike",
                     significant(1e3 * of_input, 2),
                     significant(1e3 * of_output, 2)
@@ -47,7 +47,7 @@ impl FoundHits {
 }
 
 impl FoundHits {
-    /// Returns a warning if the blows are negative in the channel `force`.
+    /// Returns a warning if the impacts are negative in the channel `force`.
     ///
     /// # Errors
     ///
@@ -59,7 +59,7 @@ impl FoundHits {
             let mut channels = hit.channels().iter();
             let is_force = channels.any(|c| c.name() == force && c.quantity() == Quantity::Force);
             let samples = hit.channel(force).map_err(comparing)?;
-            // the mean is the rest level, because a blow is too short to change it
+            // the mean is the rest level, because an impact is too short to change it
             let level = samples.mean().unwrap_or(0.0);
             let largest = samples.iter().map(|x| x - level);
             let largest =
@@ -68,7 +68,7 @@ impl FoundHits {
         }
         Ok((2 * negative > hits.len()).then(|| {
             format!(
-                "The blows are negative in `{force}`. If a positive force is a push, the sensor is reversed: state `inverted` of its channel as true."
+                "The impacts are negative in `{force}`. If a positive force is a push, the sensor is reversed: state `inverted` of its channel as true."
             )
         }))
     }

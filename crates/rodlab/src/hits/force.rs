@@ -1,4 +1,4 @@
-//! Tests of a measured force: cut off, with mains hum, or not zero after the blow.
+//! Tests whether a measured force is cut off, has mains hum, or does not return to zero.
 
 use labio::hits::{find_cut_forces, find_hum, find_undershoot};
 
@@ -10,8 +10,8 @@ use crate::digits::{hertz, significant};
 impl FoundHits {
     /// Returns the reasons for doubt about the `force` of accepted hits: it is cut off
     /// ([`find_cut_forces`]), and, unless the sheet states a force window, it has mains hum
-    /// ([`find_hum`]) or does not return to zero after the blow ([`find_undershoot`] at `from_hz`,
-    /// the lowest frequency of the band, if it is above 0).
+    /// ([`find_hum`]) or does not return to zero after the impact ([`find_undershoot`] at
+    /// `from_hz`, the lowest frequency of the band, if it is above 0).
     pub(crate) fn doubts_about_force(
         &self,
         force: &str,
@@ -30,7 +30,7 @@ impl FoundHits {
                 _ => ("hits", "up to "),
             };
             doubts.push(format!(
-                "the force `{force}` of {hits} {} is cut off at {up_to}{} % of its peak: a force window of the analyser ends before the blow does; record with a longer window, or without one",
+                "the force `{force}` of {hits} {} is cut off at {up_to}{} % of its peak: a force window of the analyser ends before the impact does; record with a longer window, or without one",
                 ranges(&cut),
                 significant(100.0 * most, 2)
             ));
@@ -40,7 +40,7 @@ impl FoundHits {
         }
         for hum in find_hum(&hits, force).map_err(comparing)? {
             doubts.push(format!(
-                "`{force}` continues at {} after the blow, and {} % of its spectrum there is mains hum: remove the hum, leave out the lines there, or state a force window",
+                "`{force}` continues at {} after the impact, and {} % of its spectrum there is mains hum: remove the hum, leave out the lines there, or state a force window",
                 hertz(hum.frequency_hz),
                 significant((100.0 * hum.part).min(100.0), 2)
             ));
@@ -48,7 +48,7 @@ impl FoundHits {
         let from_hz = from_hz.filter(|f| *f > 0.0);
         if let Some(error) = find_undershoot(&hits, force, from_hz).map_err(comparing)? {
             doubts.push(format!(
-                "`{force}` does not return to zero after the blow, which changes its spectrum by {} % at {} and by less at higher frequencies: its amplifier is AC-coupled, or its sensor drifts; use only the higher frequencies, or state a force window",
+                "`{force}` does not return to zero after the impact, which changes its spectrum by {} % at {} and by less at higher frequencies: its amplifier is AC-coupled, or its sensor drifts; use only the higher frequencies, or state a force window",
                 significant(100.0 * error.ratio.norm(), 2),
                 hertz(error.frequency_hz)
             ));

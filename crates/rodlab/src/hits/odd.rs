@@ -6,8 +6,8 @@ use labio::{Detrend, LabioError, Record};
 use super::{FoundHits, OddSheet, comparing};
 use crate::RodlabError;
 
-/// Returns the subtraction of the level at rest from `hits`, or [`Detrend::None`] if they are not
-/// at rest before the blow. `field` is the place of the choice in the sheet.
+/// Returns the subtraction of the rest level for `hits`, or [`Detrend::None`] if they are not at
+/// rest before the impact. `field` is the place of the choice in the sheet.
 ///
 /// # Errors
 ///
@@ -25,8 +25,8 @@ impl FoundHits {
     /// Compares each accepted hit with the response of `outputs` to `input` in all other hits.
     /// Depending on the sheet, a hit that departs is left out, or a reason for doubt is returned
     /// for it. A reason for doubt is also returned for each output that appears exchanged with the
-    /// input, or whose response changes with the strength of the blow or between the halves of the
-    /// hits.
+    /// input, or whose response changes with the strength of the impact or between the halves of
+    /// the hits.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Silence of a hit before the blow.
+//! Silence of a hit before the impact.
 
 use labio::Record;
 use labio::hits::{Extent, Hit, samples_at_rest};
@@ -9,11 +9,11 @@ use crate::hits::FoundHits;
 use crate::outcome::Setting;
 use crate::sheet::{Duration, Exact};
 
-/// Longest time from the beginning of a blow to the trigger \[s\], unless the sheet states the
+/// Longest time from the beginning of an impact to the trigger \[s\], unless the sheet states the
 /// silence.
 const RISE: f64 = 0.2e-3;
 
-/// Returns the number of samples before the blow, if it is known.
+/// Returns the number of samples before the impact, if it is known.
 pub(crate) fn silent_samples(
     found: &FoundHits,
     stated: Option<&Exact<Duration>>,
@@ -34,13 +34,14 @@ pub(crate) fn silent_samples(
         return extent(stated.si()).map(Some);
     }
     if let Some(trigger) = trigger_of(hit.hit, record) {
-        // the blow begins before the trigger fires, by at most `RISE` or a fifth of the pre-trigger
+        // the impact begins before the trigger fires, by at most `RISE` or a fifth of the
+        // pre-trigger
         let before = trigger as f64 / rate;
         let silent = before - (0.2 * before).min(RISE);
         settings.push(Setting::by_default(
             name,
             format!(
-                "{:.4} ms, the pre-trigger minus the rise of the blow",
+                "{:.4} ms, the pre-trigger minus the rise time of the impact",
                 1e3 * silent
             ),
         ));
@@ -69,8 +70,8 @@ const MOST_IN_SILENCE: f64 = 0.5;
 /// Number of first samples whose mean is the rest level of a channel.
 const FOR_LEVEL: usize = 8;
 
-/// Checks that the blow is not in the first `n_silent` samples of the hits; `name` is the place of
-/// the silence in the sheet, and `stated` the silence as stated there.
+/// Checks that the impact is not in the first `n_silent` samples of the hits; `name` is the place
+/// of the silence in the sheet, and `stated` the silence as stated there.
 ///
 /// # Errors
 ///
@@ -92,7 +93,7 @@ pub(crate) fn expect_silence(
                 name,
                 format!("`{stated}`"),
                 format!(
-                    "the time from the beginning of a record to its blow; {why}; is the sampling rate of {rate} {prefix}Hz right?"
+                    "the time from the beginning of a record to the impact; {why}; is the sampling rate of {rate} {prefix}Hz right?"
                 ),
             )
         };

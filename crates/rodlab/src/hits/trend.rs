@@ -19,7 +19,7 @@ impl FoundHits {
                     ("falls", channel.as_str())
                 };
                 format!(
-                    "the gain of `{channel}` {changes} by {} % from the smallest to the largest blow: `{saturated}` saturates, or the body is nonlinear",
+                    "the gain of `{channel}` {changes} by {} % from the weakest to the strongest hit: `{saturated}` saturates, or the body is nonlinear",
                     significant(100.0 * change.abs(), 2)
                 )
             }

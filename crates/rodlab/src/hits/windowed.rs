@@ -30,7 +30,7 @@ pub(crate) fn windows_of_analyser(
         .map(|noise| {
             format!(
                 "the noise of `{}` falls from {}{unit} to {}{unit} between the beginning and the end of the records, as under an exponential window of \
-                 time constant {} ms: the analyser has applied a window, which changes the result, or a filter rings before the blow; record without a window (an `exponential_window` in the sheet would be applied in addition)",
+                 time constant {} ms: the analyser has applied a window, which changes the result, or a filter rings before the impact; record without a window (an `exponential_window` in the sheet would be applied in addition)",
                 noise.channel,
                 significant(noise.before, 2),
                 significant(noise.after, 2),

@@ -23,15 +23,15 @@ const OFF_GRID: f64 = 1e-3;
 /// rounded to nearly zero in the file, the lines would otherwise need more memory than there is.
 const MOST_BEFORE: usize = 1 << 20;
 
-/// Suffix that, after the name of a response, is the name of its standard error.
+/// Suffix that turns the name of a response into the name of its standard error.
 pub(crate) const STANDARD_ERROR: &str = ", standard error";
 
-/// Suffix that, after the name of a response, is the name of the degrees of freedom of its standard
+/// Suffix that turns the name of a response into the name of the degrees of freedom of its standard
 /// error.
 pub(crate) const FREEDOM: &str = ", degrees of freedom";
 
-/// Suffix that, after the name of a response, is the name of the relative standard uncertainty
-/// common to all lines.
+/// Suffix that turns the name of a response into the name of the relative standard uncertainty that
+/// is common to all of its lines.
 pub(crate) const COMMON_ERROR: &str = ", error that lines share";
 
 /// Prefix of the number of averages in the third text field of a data set.

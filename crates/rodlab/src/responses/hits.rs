@@ -40,10 +40,10 @@ pub struct HitsSource {
     /// Exponential window on both channels, stated by its weight at the end of a hit, such as
     /// `"1 %"`.
     pub exponential_window: Option<Exact<Ratio>>,
-    /// Time before a blow in which the channels are at rest, such as `"20 ms"`. The noise for `Hs`,
-    /// and the bias of the other estimators, are determined in it. By default the pre-trigger of
-    /// hits that are cut by a trigger, less the rise of the blow, or else the rest found in the
-    /// records.
+    /// Time before an impact in which the channels are at rest, such as `"20 ms"`. The noise for
+    /// `Hs`, and the bias of the other estimators, are determined in it. By default the pre-trigger
+    /// of hits that are cut by a trigger, less the rise time of the impact, or else the rest found
+    /// in the records.
     pub silent: Option<Exact<Duration>>,
 }
 
@@ -249,7 +249,7 @@ impl HitsSource {
     }
 
     /// Returns the averaged spectra of `hits`, after subtraction of the level at rest before the
-    /// blow, and completed by the motion after the end of each hit. It is an error if there is no
+    /// impact, and completed by the motion after the end of each hit. It is an error if there is no
     /// hit.
     ///
     /// # Errors
@@ -293,7 +293,7 @@ impl HitsSource {
         Ok(spectra)
     }
 
-    /// Returns the number of samples before a blow in which the channels are at rest, if it is
+    /// Returns the number of samples before an impact in which the channels are at rest, if it is
     /// known, and enters it in `outcome`.
     pub(crate) fn silent_samples(
         &self,
