@@ -446,7 +446,7 @@ fn a_clipped_blow_is_in_doubt() {
     fs::write(&path, clipped.join("\n")).unwrap();
     let outcome = attempt(folder.path(), &sheet(HITS, ACTING)).unwrap();
     let reasons = doubts(&outcome).join("; ");
-    reasons.must_say("the blow: clipped: `face`");
+    reasons.must_say("the impact: clipped: `face`");
 }
 
 /// The spectrum of a raised cosine of 0.3 ms has its first zero at 6.7 kHz.

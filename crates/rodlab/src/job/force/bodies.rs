@@ -450,7 +450,7 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
     }
     if !holds {
         outcome.doubt(format!(
-            "{field}: the lines exclude every {onto} body within their errors: {verdict}"
+            "{field}: no {onto} body agrees with the lines within their errors: {verdict}"
         ));
     }
     outcome.quantities.push(Quantity {

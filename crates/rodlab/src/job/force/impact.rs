@@ -58,7 +58,7 @@ pub(super) fn run(
             let (last, peak) = (last.with_uncertainty().value, march.prediction.peak().force);
             if peak > last {
                 outcome.doubt(format!(
-                    "the force reaches {} N, but the table of the contact ends at {} N: its last piece was extended; measure the contact up to the larger force",
+                    "the force reaches {} N, but the table of the contact ends at {} N: its last segment was extrapolated; measure the contact up to the larger force",
                     significant(peak, 3),
                     significant(last, 3)
                 ));

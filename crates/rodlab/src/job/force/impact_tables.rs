@@ -16,7 +16,7 @@ pub(super) struct Found {
     pub(super) on_lines: Option<OnLines>,
 }
 
-/// Function that reads one number of a march. A [`Named`] number has also a name, a unit, and the
+/// Function that reads one number of a march. A [`Named`] number also has a name, a unit, and the
 /// value of the unit in SI.
 type Read = dyn Fn(&ImpactNumbers) -> Option<f64>;
 

@@ -283,7 +283,7 @@ fn read_blow(
     outcome.inputs.extend(loaded.inputs);
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
-    // the beginning of the blow is clearest in a measured force
+    // the beginning of the impact is clearest in a measured force
     let reference = sheet.compare_with.as_ref().unwrap_or(&sheet.response);
     let found =
         sheet
@@ -297,13 +297,13 @@ fn read_blow(
     } else {
         let doubted = doubted(&responses_of(sheet), &found);
         for mut entry in found.log() {
-            entry.what = format!("the blow: {}", entry.what);
+            entry.what = format!("the impact: {}", entry.what);
             if !entry.accepted {
                 let reasons = entry.reasons.iter().filter(|one| !doubted.contains(one));
                 let reasons: Vec<&str> = reasons.map(String::as_str).collect();
                 if !reasons.is_empty() {
                     outcome.warnings.push(format!(
-                        "The blow is used as it is, although it fails checks of hits: {}.",
+                        "The impact is used as it is, although it fails checks of hits: {}.",
                         reasons.join("; ")
                     ));
                 }
@@ -312,7 +312,7 @@ fn read_blow(
             outcome.log.push(entry);
         }
         for doubt in doubted {
-            outcome.doubt(format!("the blow: {doubt}"));
+            outcome.doubt(format!("the impact: {doubt}"));
         }
     }
     let n_taken = match &sheet.hit {
@@ -321,14 +321,15 @@ fn read_blow(
     };
     if n_taken > 1 {
         outcome.warnings.push(format!(
-            "There are {n_taken} blows in the record: only the force of the first is computed."
+            "There are {n_taken} impacts in the record: only the force of the first is computed."
         ));
     }
     Ok(found)
 }
 
-/// Returns the reasons for which a response to the evaluated blow is clipped or has a drop-out: a
-/// part of it was not recorded, and neither peak nor impulse of the force follows from the rest.
+/// Returns the objections that a response to the evaluated impact is clipped or has a drop-out: a
+/// part of the response was not recorded, and neither the peak nor the impulse of the force follows
+/// from the rest.
 fn doubted(channels: &[&str], found: &FoundHits) -> Vec<String> {
     let blow = found.hits().find(|found| found.hit.record().is_some());
     let reasons = blow.iter().flat_map(|blow| blow.hit.reasons());
@@ -405,7 +406,7 @@ fn check_lines(
                     first.sampling_rate_hz()
                 ),
                 format!(
-                    "{} samples at {} Hz, as in the blow",
+                    "{} samples at {} Hz, as in the record of the impact",
                     record.n_samples(),
                     record.sampling_rate_hz()
                 ),

@@ -147,7 +147,7 @@ pub(super) fn tell(
         .as_ref()
         .and_then(|known| standard(&known.error));
     let beyond_noise = bands.beyond_noise();
-    // the scatter between blows contains the error due to noise, so the larger of the two is used
+    // the scatter between hits contains the error due to noise, so the larger of the two is used
     let error = match (by_profile, stated) {
         (Some(a), Some(b)) if beyond_noise.is_some() => Some(a.max(b)),
         (a, b) => a.or(b),
@@ -413,7 +413,7 @@ fn quantities(
             problem.first.unit,
             Some(noise),
             None,
-            "stated, or from the rest before the blow",
+            "stated, or from the rest before the impact",
         );
     }
     let chi_square = solved.reduced_chi_square;

@@ -9,8 +9,8 @@ use crate::digits::significant;
 use crate::sheet::BandSheet;
 
 /// Fraction of the largest spectral amplitude that may be left at the end of the band. In virtual
-/// blows on rods of which 9 % was left, the peak was up to 7 of its errors too low in half of the
-/// records; with 5 %, in none.
+/// impacts on rods, the peak was too low by up to 7 of its errors in half of the records with 9 %
+/// left, and in no record with 5 % left.
 const LEFT: f64 = 0.07;
 
 /// Part of the band, at its end, over which the amplitude is averaged.

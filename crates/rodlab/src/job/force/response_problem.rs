@@ -73,7 +73,7 @@ impl Noise {
     }
 }
 
-/// Returns the responses with their `paths`, and the other data of the blow.
+/// Returns the responses with their `paths`, and the other data of the impact.
 pub(super) fn problem<'a>(
     sheet: &'a ResponseSheet,
     paths: Vec<FrequencyResponse>,

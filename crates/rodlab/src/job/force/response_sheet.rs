@@ -17,9 +17,9 @@ pub struct ResponseSheet {
     pub path: PathSheet,
     /// The files with the response, and their channels.
     pub record: Records,
-    /// The blow in the record and its criteria; the first accepted hit is used. By default the
-    /// whole record is the blow. Objections of the checks of hits are then only warnings, because
-    /// these checks are made for forces.
+    /// The hit in the record and its criteria; the first accepted hit is used. By default the whole
+    /// record is the hit. Objections of the checks of hits are then only warnings, because these
+    /// checks are made for forces.
     pub hit: Option<HitsSheet>,
     /// Channel of the response, such as `"face"`.
     pub response: String,

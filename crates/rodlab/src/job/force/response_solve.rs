@@ -29,15 +29,15 @@ const LONGEST: usize = 512;
 /// force there.
 const ELSEWHERE: f64 = 0.1;
 
-/// Largest force beside a window, relative to the largest force further away, above which the force
-/// continues there.
+/// Largest force next to a window, relative to the largest force further away, above which the
+/// force is taken to continue outside the window.
 const CONTINUES: f64 = 2.0;
 
 /// Durations that are tried for the force, as multiples of the duration of the calibration hits.
 const LONGER: [usize; 5] = [1, 2, 4, 8, 16];
 
 /// Largest ringing of a band-limited force outside its duration, as a multiple of the ringing of
-/// calibration hits. Blows shorter than these ring more.
+/// calibration hits. An impact that is shorter than the calibration hits rings more.
 const RINGING: f64 = 1.5;
 
 impl RegularisationSheet {
@@ -74,14 +74,14 @@ pub(super) fn path_of<'a>(
         .map_err(|error| RodlabError::step(field, error))
 }
 
-/// Responses to a blow, with the sampling rate and the time in which the force acts.
+/// Responses to an impact, with the sampling rate and the time in which the force acts.
 struct Blow<'a> {
     seen: Vec<SeenBlow<'a>>,
     sampling_rate_hz: f64,
     acting: Option<TimeInterval>,
 }
 
-/// One response to a blow.
+/// One response to an impact.
 struct SeenBlow<'a> {
     path: &'a FrequencyResponse,
     samples: &'a [f64],
@@ -113,7 +113,7 @@ impl<'a> SeenBlow<'a> {
 
 impl Blow<'_> {
     /// Returns the reconstruction by division, in the band of the sheet, with the errors of each
-    /// line from the calibration blows.
+    /// line from the calibration hits.
     fn divided(&self, sheet: &ResponseSheet) -> Result<Reconstruction<'_>, ImpulseError> {
         let sensors = self.seen.iter().map(SeenBlow::sensor);
         let sensors = sensors.collect::<Result<Vec<_>, _>>()?;
@@ -121,7 +121,7 @@ impl Blow<'_> {
         if let Some(band) = band(sheet) {
             reconstruction = reconstruction.within(band);
         }
-        // calibration blows and window are the same for all responses
+        // calibration hits and window are the same for all responses
         if let Some(blows) = self.seen.first().and_then(|seen| seen.blows) {
             reconstruction = reconstruction.like_blows(blows);
         }
@@ -415,7 +415,7 @@ fn force_of(sources: &[HitsSource]) -> &str {
 }
 
 /// Estimates errors from calibration hits: the force of each hit is reconstructed with the path of
-/// the other hits, in the same way as the force of the blow.
+/// the other hits, in the same way as the force of the impact.
 pub(super) fn scatter(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
@@ -426,7 +426,7 @@ pub(super) fn scatter(
     let accepted = found.accepted();
     if accepted.len() < FEWEST_HITS {
         outcome.warnings.push(format!(
-            "{} calibration hits cannot be reconstructed from each other, which requires at least {FEWEST_HITS} hits: the errors do not include differences from blow to blow.",
+            "{} calibration hits cannot be reconstructed from each other, which requires at least {FEWEST_HITS} hits: the errors do not include differences from hit to hit.",
             accepted.len()
         ));
         return Ok(None);
