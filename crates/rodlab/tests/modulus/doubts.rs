@@ -15,7 +15,7 @@ fn one_hit_without_a_known_silence_is_not_allowed() {
     let uncut = format!("{}cut: EachRecord,{}", &whole[..cut], &whole[end..]);
     let outcome = run(folder.path(), &uncut).unwrap();
     let reason = refusal(&outcome);
-    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined from this silence");
+    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in `source.hits.silent` how long the record is silent before the impact; the errors of one hit are then determined from this silence");
     assert_eq!(outcome.figures.len(), 1);
 
     // the record begins 2 ms before the hit
@@ -293,7 +293,7 @@ fn what_is_wrong_is_said() {
     band is 1 Hz to 2 Hz, expected a band with lines, which are between 0 and 32768 Hz
     method.two_point.free_end is `end B`, expected one of the channels `struck end`, `free end`
     specimen.length is missing, expected the length, which TwoPoint needs
-    source.hits.silent is missing, expected how long each hit's record is silent before the blow: the weights of the gauges are determined from their noise there
+    source.hits.silent is missing, expected how long each hit's record is silent before the impact: the weights of the gauges are determined from their noise there
     checks.level is 2, expected a probability between 0 and 1
     laws.cards is requested, expected the law `generalised_maxwell` (in RON `GeneralisedMaxwell`) among `laws.laws`: cards are made from it
     finding the modulus: least coherence is 1.2, expected a value from 0 to 1

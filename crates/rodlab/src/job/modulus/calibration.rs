@@ -120,7 +120,7 @@ pub(super) fn state(
             ));
         }
     }
-    // after contradicted statements, which name the cause
+    // this doubt follows those about contradicted statements, which name the cause
     if is_doubted {
         outcome.doubt(format!(
             "{unexplained}: hum, a drift or bending in the records, a wave that the model lacks, or an error of a sensor that is not stated changes the modulus, mostly in the lowest lines"

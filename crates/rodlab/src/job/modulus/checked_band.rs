@@ -34,7 +34,7 @@ pub(super) fn lines(
         because.push("the coherence is above that of chance".to_owned());
     }
     match (stated, nyquist) {
-        // whoever states a band states that it has no aliases
+        // a band that the sheet states is assumed to be free of aliases
         _ if has_band => {}
         (Some(stated), _) => {
             to = to.min(stated.si());

@@ -126,8 +126,8 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Returns the number of lines per line with independent noise, above 1 for padded pulses and damped
-/// records.
+/// Returns the number of lines divided by the number of lines with independent noise; it is above 1
+/// for padded pulses and damped records.
 pub(super) fn lines_per_independent_line(found: &Found<'_>) -> f64 {
     let spectra = found.measured.spectra.as_ref();
     spectra.map_or(1.0, Spectra::lines_per_independent_line)
@@ -227,7 +227,7 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     };
     let causality = arrivals.causality(FRONT * fastest * growth, level);
     say(outcome, found, Check::Causality, causality);
-    // the first wave is identified by the time from the silence to the blow, which only a trigger
+    // the first wave is identified by the time from the silence to the impact, which only a trigger
     // determines
     if let Some(trigger) = first.trigger {
         let waiting = trigger.saturating_sub(first.silent) as f64 / rate;
@@ -299,7 +299,7 @@ fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
              or the rod bends or is held"
         }
         Check::Causality => {
-            "something arrives before the fastest wave can: a channel may be early, or a filter looks ahead"
+            "something arrives before the fastest wave can: a channel may be early, or a filter responds ahead of its input"
         }
         Check::Polarity => {
             "the first wave has opposite signs in the channels: one of the sensors points the other way"

@@ -29,7 +29,7 @@ pub(super) fn of_hits(
         return Err(RodlabError::request(
             "source.hits.silent",
             "missing",
-            "how long each hit's record is silent before the blow: the weights of the gauges are determined from their noise there",
+            "how long each hit's record is silent before the impact: the weights of the gauges are determined from their noise there",
         ));
     };
     let channels: Vec<&str> = gauges.iter().map(|gauge| gauge.channel.as_str()).collect();

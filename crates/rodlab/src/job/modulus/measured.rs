@@ -45,9 +45,9 @@ pub enum SourceSheet {
         /// criteria.
         #[serde(default)]
         hits: HitsSheet,
-        /// Silence of each record before the blow, such as `"2 ms"`. The noise is measured in it;
-        /// methods with gauges need it. By default, for hits cut by a trigger, the pre-trigger less
-        /// 0.2 ms or less a fifth of it, whichever reduction is smaller.
+        /// Silence of each record before the impact, such as `"2 ms"`. The noise is measured in it;
+        /// methods with gauges need it. By default, for hits cut by a trigger, the pre-trigger
+        /// minus 0.2 ms or minus a fifth of the pre-trigger, whichever is less.
         #[serde(default)]
         silent: Option<Exact<Duration>>,
         /// Exponential window on all gauges from the end of the silence on, for rods that ring

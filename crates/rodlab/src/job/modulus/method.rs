@@ -46,9 +46,9 @@ pub enum MethodSheet {
         /// Channel of the other end.
         free_end: String,
     },
-    /// Frequencies and decays of the longitudinal modes of a freely hanging rod after a blow, for
-    /// metals, ceramics and glasses. One sensor of motion, strain or sound anywhere on the rod is
-    /// sufficient.
+    /// Frequencies and decays of the longitudinal modes of a freely hanging rod after an impact,
+    /// for metals, ceramics and glasses. One sensor of motion, strain or sound anywhere on the rod
+    /// is sufficient.
     FreeVibration {
         /// Channel of the sensor.
         channel: String,

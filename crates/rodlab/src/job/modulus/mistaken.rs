@@ -43,14 +43,15 @@ const MISTAKES: [Mistake; 3] = [
     },
 ];
 
-/// Number of lines from which a wrong unit is recognised, the lowest ones.
+/// Number of the lowest lines from which a wrong unit is recognised.
 const LOWEST: usize = 5;
-/// Highest first line for a wrong unit to be recognised, as a multiple of the line spacing. A rod
-/// that is at rest at the end of the record moves almost as a rigid body at these frequencies.
+/// Highest frequency of the first line at which a wrong unit is recognised, as a multiple of the
+/// line spacing. A rod that is at rest at the end of the record moves almost as a rigid body at
+/// these frequencies.
 const HIGHEST_FIRST: f64 = 10.0;
-/// Largest relative error of these lines.
+/// Largest relative error of the lines from which a wrong unit is recognised.
 const MOST_ERROR: f64 = 0.2;
-/// Factors between units that are easily mistaken, in words.
+/// Factors between units that are easily confused, each with its description.
 const FACTORS: [(f64, &str); 2] = [
     (9.80665, "9.81 (g instead of m/s2) or 10 (a gain)"),
     (1000.0, "1000"),

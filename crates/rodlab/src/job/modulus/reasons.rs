@@ -62,7 +62,7 @@ fn in_few_words(violation: &Violation) -> &'static str {
         Violation::DampingNotPositive { .. } => "damping coefficient not positive",
         Violation::WaveNumberNotPositive { .. } => "wave number not positive",
         Violation::BranchAmbiguous(_) => UNCOUNTED,
-        Violation::NotConverged { .. } => "iteration did not settle",
+        Violation::NotConverged { .. } => "iteration did not converge",
         Violation::RootNotFollowed { .. } => "root lost where two roots meet",
         Violation::SeriesTruncated { .. } => "series in the mass ratio not accurate enough",
         Violation::NearSingular { .. } => "too near a singular frequency for this noise",
@@ -160,7 +160,7 @@ impl Reasons {
         let (reason, _) = self.counts.first()?;
         if matches!(*reason, OF_MODULUS | OF_LOSS_FACTOR) && !self.cut_pulses.is_empty() {
             return Some(format!(
-                "For more valid lines: windows that contain the whole pulses, or pulses further apart (a gauge elsewhere, a shorter blow); {}, and what is cut off is part of the errors.",
+                "For more valid lines: windows that contain the whole pulses, or pulses further apart (a gauge elsewhere, a shorter impact); {}, and what is cut off is part of the errors.",
                 self.cut_pulses.join(", and ")
             ));
         }
@@ -284,7 +284,7 @@ fn stretches(lines: &[Option<f64>]) -> String {
     if count > STRETCHES_NAMED {
         words.push(match count - STRETCHES_NAMED {
             1 => "1 shorter stretch".to_owned(),
-            others => format!("{others} shorter stretches"),
+            others => format!("{others} shorter ranges"),
         });
     }
     words.join(", ")

@@ -17,8 +17,8 @@ const NEAR: f64 = 0.02;
 /// Largest number of valid lines that may all have a wrong number of waves.
 const FEW: usize = 3;
 
-/// Number of lines on which the number of waves is in doubt, for each of these few, from which they
-/// are doubted.
+/// Number of lines with a doubtful number of waves, for each valid line, from which the few valid
+/// lines are in doubt.
 const UNCOUNTED: usize = 20;
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {
@@ -458,7 +458,8 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
 mod tests {
     use super::*;
 
-    /// Hum in a record of a rod of 2.4 GPa left one valid line of 1244, with 0.6 MPa.
+    /// In a record of a rod of 2.4 GPa, mains hum left one of 1244 lines valid, with a modulus of
+    /// 0.6 MPa.
     #[test]
     fn a_line_beside_many_that_are_not_counted_is_in_doubt() {
         assert_eq!(

@@ -130,7 +130,7 @@ pub(super) fn of_hits(
              in `source.hits.hits.accept`"
         } else if fewest == FEWEST_HITS {
             ": the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in \
-             `source.hits.silent` how long the record is silent before the blow; the errors of one hit are then determined from this silence"
+             `source.hits.silent` how long the record is silent before the impact; the errors of one hit are then determined from this silence"
         } else {
             ""
         };

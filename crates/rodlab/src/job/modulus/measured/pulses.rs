@@ -30,9 +30,9 @@ pub(super) fn window(pulse: &Pulse<'_>, hits: &[&Record]) -> Result<PulseWindow,
     }
 }
 
-/// Returns the number of samples from which the level at rest of both channels is found: the
-/// `silent` ones or, if they are not known, those before the first motion; `None` if there are too
-/// few of these.
+/// Returns the number of samples from which the level at rest of both channels is found: the number
+/// `silent` or, if this is not known, the number of samples before the first motion; `None` if
+/// there are too few samples before the motion.
 pub(super) fn samples_for_level(
     hits: &[&Record],
     windows: [&PulseWindow; 2],
