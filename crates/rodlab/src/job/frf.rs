@@ -237,7 +237,7 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
                 reasons.any(|reason| matches!(reason, Reason::DoubleHit { .. }))
             };
             let advice = if sheet.hits.cut.is_none() && found.hits().any(two_contacts) {
-                "; if a record contains several blows, cut it by `hits.cut`"
+                "; if a record contains several hits, cut it by `hits.cut`"
             } else {
                 ""
             };

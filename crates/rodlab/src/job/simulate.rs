@@ -86,7 +86,7 @@ pub enum ExperimentSheet {
     CreepRecovery(Box<CreepRecoverySheet>),
     /// A rod with an inelastic law, struck by a projectile (paper D).
     ImpactedRod(Box<ImpactedRodSheet>),
-    /// Blows of a hammer on the face of a body (paper E).
+    /// Hits of a hammer on the face of a body (paper E).
     HammerOnBody(Box<HammerOnBodySheet>),
     /// A specimen between split Hopkinson bars, struck by a projectile.
     HopkinsonBars(Box<HopkinsonBarsSheet>),
@@ -102,7 +102,7 @@ struct Request<'a> {
 
 impl Request<'_> {
     /// Returns the duration of the silence at the beginning of a record \[s\]. It ends before the
-    /// precursor that the filter produces ahead of the blow.
+    /// precursor that the filter produces ahead of the impact.
     fn silent(&self, instrument: &InstrumentSheet) -> f64 {
         instrument.before() - 25.0 / instrument.sampling_rate.si()
     }
@@ -379,7 +379,7 @@ fn tell(
             1 => "1 record".to_owned(),
             n => format!("{n} records"),
         };
-        // a generator that is the path of a module is not written into a sentence
+        // a generator that is named by the path of a module is left out of the sentence
         outcome.summary.push(if recorded.generator.contains("::") {
             format!("{records}.")
         } else {

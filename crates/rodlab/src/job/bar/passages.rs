@@ -92,8 +92,8 @@ impl Passages {
     }
 }
 
-/// Returns the error of a gauge in whose record no pulse follows the silence of
-/// `[silence, all]` samples.
+/// Returns the error for a gauge whose record shows no pulse after the silence; `silence` and `all`
+/// are the numbers of samples of the silence and of the record.
 fn no_pulse(
     error: LabioError,
     sheet: &BarSheet,

@@ -110,7 +110,7 @@ pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
     })
 }
 
-/// Returns a sentence about the middle one of the valid lines.
+/// Returns a sentence about the line in the middle of the valid lines.
 pub(super) fn in_words(lines: &[Line]) -> Result<Option<String>, RodlabError> {
     let valid: Vec<&Line> = lines.iter().filter(|line| line.is_valid).collect();
     let Some(line) = valid.get(valid.len() / 2) else {

@@ -29,8 +29,8 @@ pub(super) const ASSUMED: f64 = 0.01;
 const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Number of standard errors below 0 from which a loss modulus counts as negative, not as noise.
 const NEGATIVE: f64 = 3.0;
-/// Probability with which chance makes a constant modulus rise with time: that of four standard
-/// errors.
+/// Probability of a false alarm, for a modulus that rises with time only by chance: that of four
+/// standard errors.
 const RISING: f64 = 3e-5;
 
 /// Standard errors of the moduli.

@@ -84,8 +84,8 @@ fn name(found: &Found<'_>, index: usize) -> String {
     step.map_or_else(String::new, Step::in_words)
 }
 
-/// Returns the role of a step. If there are more than [`MOST_NAMED`] steps, neighbouring steps share
-/// one, so that the named ones differ.
+/// Returns the role of a step. If there are more than [`MOST_NAMED`] steps, neighbouring steps
+/// share a role, and the named steps have different roles.
 fn role_of(found: &Found<'_>, index: usize) -> Role {
     let count = found.steps.len();
     Role::of_series(if count <= MOST_NAMED {

@@ -163,11 +163,11 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) -> Result<(
                 outcome.warnings.push(match &found.sheet.temperature_uncertainty {
                     None => format!(
                         "The shifts differ from WLF by more than the errors of the moduli explain, as they would if the temperatures were wrong by {kelvin} K. If the \
-                         readings can be that wrong, state `temperature_uncertainty`: the stated errors of the shifts, and of the master curve at the reference, do not include errors of temperature."
+                         measured temperatures can be that wrong, state `temperature_uncertainty`: the stated errors of the shifts, and of the master curve at the reference, do not include errors of temperature."
                     ),
                     Some(stated) => format!(
                         "The shifts differ from WLF by more than the errors of the moduli and the stated `temperature_uncertainty` of {stated} explain; the shifts scatter as if \
-                         the temperatures were wrong by {kelvin} K. If WLF holds for the material in this range, the temperature or the frequencies of a step are wrong, and \
+                         the temperatures were wrong by {kelvin} K. If WLF is valid for the material in this range, the temperature or the frequencies of a step are wrong, and \
                          so are the master curve and its errors."
                     ),
                 });
@@ -299,7 +299,7 @@ pub(super) fn of_factors(
     }
 }
 
-/// Tests whether one curve holds for all temperatures.
+/// Tests whether one curve describes all temperatures.
 fn one_curve(
     outcome: &mut Outcome,
     found: &Found<'_>,

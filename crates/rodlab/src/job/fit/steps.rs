@@ -235,8 +235,8 @@ fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
 }
 
 /// Averages the rows of a file that repeat a frequency at one temperature, and compares the scatter
-/// of these rows with their stated errors. Rows that agree in every digit are one reading, stored
-/// several times: only the first of them is used.
+/// of these rows with their stated errors. Rows that agree in every digit are one measurement that
+/// is stored several times: only the first row is used.
 fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     let (mut repeated, mut averaged, mut squares) = (0, 0, 0.0);
     let mut copies: Vec<(String, String)> = Vec::new();
@@ -284,7 +284,7 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     if let Some((copy, original)) = copies.first() {
         outcome.warnings.push(format!(
             "{} row(s) agree in every digit with another row of the same frequency and temperature, first {copy} with {original}: they are \
-             left out, because storing a reading twice does not reduce its error.",
+             left out, because storing a measurement twice does not reduce its error.",
             copies.len()
         ));
     }
@@ -300,7 +300,7 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     let most = freedom + DIFFERENT * (2.0 * freedom).sqrt();
     if scale == ErrorScale::Stated && squares > most {
         outcome.doubt(format!(
-            "rows that repeat a frequency differ by {} times their stated errors: they are not repeated readings of one state, or the errors are too small",
+            "rows that repeat a frequency differ by {} times their stated errors: they are not repeated measurements of the same state, or the errors are too small",
             significant((squares / freedom).sqrt(), 2)
         ));
     }
@@ -366,7 +366,7 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
     let thinned = |step: Step| {
         let mut rows: Vec<Row> = Vec::new();
         for of_test in step.by_test() {
-            // at least three rows of each test, because fewer are no curve
+            // at least three rows of each test, because fewer rows do not define a curve
             let most = of_test.len().div_ceil(stride).max(FEWEST);
             if of_test.iter().any(|row| row.over_time.is_some()) {
                 rows.extend(evenly_in_logarithm(of_test, most));

@@ -42,7 +42,7 @@ pub(super) fn data(found: &Found<'_>) -> Table {
     ];
     let is_stated = found.error_scale == ErrorScale::Stated;
     if found.has_times() {
-        // rows over frequency have no value in the columns for time, and the reverse
+        // rows over frequency have no value in the columns for time, and vice versa
         let of_time = |row: &Row, value: f64| row.time().map_or(f64::NAN, |_| value);
         columns.extend([
             numbers("time".to_owned(), "s", &|row| {

@@ -98,8 +98,8 @@ impl Estimated {
         upper_median(leaks).zip(upper_median(errors))
     }
 
-    /// Returns that one of `lines` which has the largest relative error due to leakage, and this
-    /// error. Lines whose leakage does not exceed the random error of the complex value are not
+    /// Returns the line of `lines` with the largest relative error due to leakage, and this error.
+    /// Lines whose leakage does not exceed the random error of the complex value are not
     /// considered.
     pub(super) fn largest_leakage(&self, lines: &[usize]) -> Option<(usize, f64)> {
         let errors = self.response.random_error()?;
@@ -112,7 +112,8 @@ impl Estimated {
         exceeding.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Returns true if the line is valid, or is not because noise may have made it coherent.
+    /// Returns true if the line is valid, or if the only objection is that noise may have made it
+    /// coherent.
     pub(super) fn is_coherent(&self, line: usize) -> bool {
         let objection = self.objections.get(line).copied();
         objection.is_some_and(|objection| objection.is_none_or(|reason| reason == WEAK))
@@ -145,7 +146,7 @@ fn detrend(sheet: &FrfSheet, hits: &[&Record]) -> Result<Detrend, RodlabError> {
             Detrend::None => Err(RodlabError::request(
                 "detrend",
                 "Rest",
-                "16 samples of rest or more before the blow in every accepted hit",
+                "16 samples of rest or more before the impact in every accepted hit",
             )),
             rest => Ok(rest),
         },

@@ -40,7 +40,7 @@ pub struct FrfSheet {
     pub outputs: Option<Vec<String>>,
     /// Estimator: `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for
     /// equal relative noise on both, `Hs` for noise as measured on the channels in the silence
-    /// before a blow.
+    /// before an impact.
     pub estimator: Option<Estimator>,
     /// Window on the samples of all channels; by default `Rectangular` for hits, which must decay,
     /// and `Hann` for segments.
@@ -50,13 +50,13 @@ pub struct FrfSheet {
     /// Exponential window on all channels, for bodies that ring longer than the record.
     pub exponential_window: Option<ExponentialWindowSheet>,
     /// Trend removed from every hit before the windows: `Rest` (default for hits with 16 samples
-    /// of rest before the blow), `Nothing`, `Mean` (default for segments) or `Line`.
+    /// of rest before the impact), `Nothing`, `Mean` (default for segments) or `Line`.
     pub detrend: Option<DetrendSheet>,
-    /// Time before a blow in which the channels are at rest, such as `"20 ms"`. The noise for `Hs`,
-    /// and the bias of the other estimators, are determined in it. By default the pre-trigger of
-    /// hits that are cut by a trigger, less the rise of the blow, or else the rest found in the
-    /// records. For segments, the time without excitation at the beginning of each record, after
-    /// which the segments begin; by default none.
+    /// Time before an impact in which the channels are at rest, such as `"20 ms"`. The noise for
+    /// `Hs`, and the bias of the other estimators, are determined in it. By default the pre-trigger
+    /// of hits that are cut by a trigger, less the rise time of the impact, or else the rest found
+    /// in the records. For segments, the time without excitation at the beginning of each record,
+    /// after which the segments begin; by default none.
     pub silent: Option<Exact<Duration>>,
     /// Frequency range of the result; by default all lines above 0 Hz.
     pub band: Option<BandSheet>,
@@ -116,7 +116,7 @@ impl FrfSheet {
     /// and hits.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let detrend = match self.segments {
-            None => "rest before the blow, if there is any",
+            None => "rest before the impact, if there is any",
             Some(_) => "mean",
         };
         let estimator = format!("{:?}", Estimator::default());
@@ -200,7 +200,7 @@ impl fmt::Display for ExponentialWindowSheet {
 /// The trend removed from every hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum DetrendSheet {
-    /// The mean of the samples at rest before the blow.
+    /// The mean of the samples at rest before the impact.
     Rest,
     /// Nothing.
     Nothing,

@@ -15,7 +15,7 @@ use crate::outcome::{Column, Table};
 /// rejected hits have priority.
 const MOST_HISTORIES: usize = 40;
 
-/// Fraction of the peak above which the input belongs to the blow, which is drawn enlarged.
+/// Fraction of the peak above which the input belongs to the impact, which is drawn enlarged.
 const STRONG: f64 = 0.05;
 
 const MS: f64 = 1e3;
@@ -49,14 +49,14 @@ pub(super) fn figure(
     };
     Ok(Figure {
         caption: format!(
-            "Time histories of the hits, overlaid; a short blow is also shown enlarged, in the first panel. Time starts at the trigger, or at the beginning of each record. Rejected hits are faint. Windows are drawn with the height of the largest sample.{of_which}"
+            "Time histories of the hits, overlaid; a short impact is also shown enlarged, in the first panel. Time starts at the trigger, or at the beginning of each record. Rejected hits are faint. Windows are drawn with the height of the largest sample.{of_which}"
         ),
         ..Figure::new(name, title, panels)
     })
 }
 
-/// Returns the time range about the blow \[ms\] that is drawn enlarged, counted from the trigger or
-/// from the beginning of each record. `None` if it is longer than 30 % of the hit.
+/// Returns the time range about the impact \[ms\] that is drawn enlarged, counted from the trigger
+/// or from the beginning of each record. `None` if it is longer than 30 % of the hit.
 fn blow(sheet: &FrfSheet, drawn: &[FoundHit<'_>]) -> Option<Range<f64>> {
     let (mut from, mut to, mut duration) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for found in drawn.iter().filter(|found| found.hit.is_accepted()) {
@@ -138,7 +138,7 @@ fn panel(
         }
     }
     let label = if about.start.is_finite() {
-        "time about the blow"
+        "time about the impact"
     } else {
         "time"
     };

@@ -398,7 +398,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             outcome.warnings.push(transducers.in_words());
         }
     }
-    // `None` if one of the laws explains the records
+    // residuals of the remaining laws; `None` if one of these laws explains the records
     let above: Option<Vec<f64>> = found
         .laws
         .iter()
@@ -418,7 +418,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     {
         outcome.warnings.push(UNSTATED_TEMPERATURES.to_owned());
     }
-    // `None` if the tests agree on one of the laws
+    // disagreements of the tests; `None` if the tests agree on one of the remaining laws
     let disagreements: Option<Vec<&FitFlag>> = found
         .laws
         .iter()

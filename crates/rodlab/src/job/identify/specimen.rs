@@ -59,12 +59,12 @@ pub(super) fn tell(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome) 
 /// Poisson's ratio in the warning about lateral inertia.
 const USUAL_POISSON_RATIO: f64 = 0.4;
 
-/// Shortest wavelength, in diameters, for which the theory of lateral inertia holds.
+/// Shortest wavelength, in diameters, for which the theory of lateral inertia is valid.
 const SHORTEST_WAVE: f64 = 3.0;
 
-/// Warns of a measured test that is evaluated without lateral inertia, with the diameter from which
-/// on it matters, and of waves that are too short for its theory. `modulus` is Young's modulus
-/// \[Pa\].
+/// Warns of a measured test that is evaluated without lateral inertia, and states the diameter from
+/// which on it matters. Warns also of waves that are too short for the theory of lateral inertia.
+/// `modulus` is Young's modulus \[Pa\].
 fn tell_lateral_inertia(
     sheet: &IdentifySheet,
     found: &Found,
@@ -96,8 +96,8 @@ fn tell_lateral_inertia(
             }
             Some(diameter) if wavelength < SHORTEST_WAVE * diameter.with_uncertainty().value => {
                 format!(
-                    "waves of {kilohertz} kHz, the cut-off of the recorder, are {} mm long. The theory of lateral inertia holds from {SHORTEST_WAVE} diameters on: \
-                     use a thinner rod or a softer blow",
+                    "waves of {kilohertz} kHz, the cut-off of the recorder, are {} mm long. The theory of lateral inertia is valid from {SHORTEST_WAVE} diameters on: \
+                     use a thinner rod or a softer impact",
                     significant(1e3 * wavelength, 2),
                 )
             }

@@ -304,8 +304,8 @@ fn one(
     }
 }
 
-/// Refuses histories that begin in opposite directions: a free end moves as the wave that reaches
-/// it.
+/// Refuses histories that begin in opposite directions: a free end moves in the direction of the
+/// wave that reaches it.
 fn expect_one_direction(
     histories: &[Vec<f64>; 2],
     test: &TestSheet,
@@ -329,7 +329,7 @@ fn expect_one_direction(
     }
 }
 
-/// Refuses velocities that a blow of the stated impact velocity cannot cause: the struck face is at
+/// Refuses velocities that an impact at the stated velocity cannot cause: the struck face is at
 /// most as fast as the striker, and a free end moves twice as fast as the wave that reaches it.
 fn expect_possible(data: &RodTestData, test: &TestSheet, field: &str) -> Result<(), RodlabError> {
     let stated = data.impact_velocity;

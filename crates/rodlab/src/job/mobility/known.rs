@@ -16,7 +16,7 @@ use crate::outcome::{LogEntry, Quantity};
 use crate::responses::{cut, in_words, judged_lines, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
-/// Probability that chance alone marks at least one line of a passive body as giving out energy.
+/// Probability that chance alone marks at least one line of a passive body as generating energy.
 const LEVEL: f64 = 0.01;
 
 /// Maximum number of runs of lines that a log lists one by one.

@@ -236,7 +236,7 @@ fn objections(found: &Found<'_>) -> Vec<String> {
     if has_stated_errors(found.sheet) && freedom > 0.0 && fit.chi_squared > most {
         objections.push(format!(
             "the readings scatter more about the model than their stated errors allow: chi-square {} with {} degrees of freedom, \
-             expected below {}; either the errors are larger than stated, or the model does not hold; in both cases the errors of the result are too small",
+             expected below {}; either the errors are larger than stated, or the model is not valid; in both cases the errors of the result are too small",
             significant(fit.chi_squared, 3),
             fit.degrees_of_freedom,
             significant(most, 3)
@@ -254,7 +254,7 @@ fn objections(found: &Found<'_>) -> Vec<String> {
     {
         objections.push(format!(
             "the tests contradict each other: chi-square rises by {} with {} degrees of freedom from the tests alone to one model for all, probability {} by chance; \
-             a load or the readings of a test are wrong, or the model does not hold",
+             a load or the readings of a test are wrong, or the model is not valid",
             significant(apart.chi_squared, 3),
             apart.degrees_of_freedom,
             significant(apart.p_value, 2)

@@ -58,11 +58,11 @@ pub(super) fn state(
     let time_us = |time: f64| 1e6 * (time - result.start_time);
     outcome.summary.push(match result.equilibrium.from {
         Some(from) => format!(
-            "From {} us after the arrival of the wave at the specimen, the forces of the two faces differ by no more than 5 % and their error; the specimen is loaded for {} us.",
+            "From {} us after the arrival of the wave at the specimen, the forces of the two faces differ by no more than 5 % plus their error; the specimen is loaded for {} us.",
             significant(time_us(from), 3),
             significant(1e6 * result.time_step * loaded.len() as f64, 3),
         ),
-        None => "No time was found from which the forces of the two faces differ by no more than 5 % and their error.".to_owned(),
+        None => "No time was found from which the forces of the two faces differ by no more than 5 % plus their error.".to_owned(),
     });
     outcome
         .summary

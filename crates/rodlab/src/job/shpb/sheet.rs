@@ -40,11 +40,12 @@ pub struct ShpbSheet {
     /// Forces from which the stress is computed; by default both.
     #[serde(default)]
     pub stress_from: StressFrom,
-    /// End of the band, at which the amplitude is one half, such as `"50 kHz"`. By default 1.25
-    /// times this frequency is at most a third of the sampling rate, the frequency at which the
-    /// wavelength is two diameters, and the frequency above which the correction of attenuation
-    /// amplifies a wave more than tenfold on its way back to the specimen; the band ends before the
-    /// range in which the laws of the bars were measured.
+    /// End of the band, at which the amplitude is one half, such as `"50 kHz"`. By default this
+    /// frequency is at most the highest frequency at which the laws of the bars were measured, and
+    /// 1.25 times this frequency is at most the least of three frequencies: a third of the sampling
+    /// rate, the frequency at which the wavelength is two diameters, and the frequency above which
+    /// the correction of attenuation amplifies a wave more than tenfold on its way back to the
+    /// specimen.
     pub band: Option<Exact<Frequency>>,
     /// Removes the lag between the arrivals at the two faces by a shift of the transmitted bar,
     /// instead of relying on positions and wave speeds.

@@ -1,4 +1,4 @@
-//! Blows of a hammer on a linear body: one response, scaled to several strengths.
+//! Hits of a hammer on a linear body: one response, scaled to several strengths.
 
 use labio::Record;
 use rand::{RngExt, SeedableRng};
@@ -18,13 +18,13 @@ use crate::sheet::{Duration, Exact, Force, Ratio, plausible};
 const LATE_PART: usize = 16;
 /// Level relative to the peak below which the record counts as decayed.
 const QUIET: f64 = 5e-4;
-/// Default scatter of the strengths of blows, as a fraction of the peak.
+/// Default scatter of the strengths of hits, as a fraction of the peak.
 const USUAL_SCATTER: f64 = 0.05;
 
 /// Maximum number of samples in all records of a sheet, which are kept in memory.
 const MOST_SAMPLES: f64 = 5e7;
 
-/// The blows of a hammer.
+/// The hits of a hammer.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlowsSheet {
@@ -42,7 +42,7 @@ pub struct BlowsSheet {
     pub scatter: Option<Exact<Ratio>>,
 }
 
-/// Shape of the force of a blow.
+/// Shape of the force of a hit.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum ShapeSheet {
     /// Raised cosine, which is smooth at both ends.
@@ -57,7 +57,7 @@ impl BlowsSheet {
         self.scatter.as_ref().map_or(USUAL_SCATTER, Exact::si)
     }
 
-    /// Checks the blows, and the size of their records with this number of `channels`, before
+    /// Checks the hits, and the size of their records with this number of `channels`, before
     /// anything is computed.
     pub(super) fn check(
         &self,
@@ -76,7 +76,7 @@ impl BlowsSheet {
             return Err(RodlabError::request(
                 format!("{field}.scatter"),
                 self.scatter().to_string(),
-                "below 100 %: otherwise a blow could pull",
+                "below 100 %: otherwise the force of a hit could be tensile",
             ));
         }
         let of_channel = instrument.samples_of_record()? as f64;
@@ -99,7 +99,7 @@ impl BlowsSheet {
         })
     }
 
-    /// Returns the records of all hits. `history` is the response to a blow of full strength. Each
+    /// Returns the records of all hits. `history` is the response to a hit of full strength. Each
     /// hit has a separate random stream.
     pub(super) fn record(
         &self,
@@ -129,7 +129,7 @@ impl BlowsSheet {
                 taken,
                 &request.naming,
                 request.naming.file(hit, self.hits),
-                format!("a blow of {:.4} N", strength * self.peak.si()),
+                format!("a hit of {:.4} N", strength * self.peak.si()),
             )?;
             context.progress.one_more();
             context.check_cancelled()?;

@@ -32,7 +32,7 @@ pub struct EndAccelerationsSheet {
     pub diameter: Exact<Length>,
     /// Mass of each accelerometer, such as `"2.9 gram"`; none by default.
     pub accelerometer_mass: Option<Exact<AddedMass>>,
-    /// The blows on the struck end.
+    /// The hammer hits on the struck end.
     pub blows: BlowsSheet,
     /// Standard uncertainties that the evaluating sheet states; none by default. The virtual rod and
     /// its sensors have no such errors.
@@ -163,7 +163,7 @@ impl EndAccelerationsSheet {
             more: &mass,
             of_channel: self.stated_errors.of_channel(),
             method: &format!(r#"TwoPoint(impacted_end: "{STRUCK}", free_end: "{FREE}")"#),
-            silence: "the filter reaches ahead of the blow",
+            silence: "the filter reaches ahead of the impact",
         };
         rod.evaluation(request, recorded, instrument)
     }

@@ -36,7 +36,7 @@ pub struct StrainsInFrameSheet {
     /// Support of the other end; none by default.
     #[serde(default)]
     pub other_end: SupportSheet,
-    /// The blows on the struck end.
+    /// The hammer hits on the struck end.
     pub blows: BlowsSheet,
 }
 
@@ -182,7 +182,7 @@ impl StrainsInFrameSheet {
             more: "",
             of_channel: String::new(),
             method: &format!("{method}(gauges: [{gauges}\n    ])"),
-            silence: "the noise of the gauges is determined here; the filter reaches ahead of the blow",
+            silence: "the noise of the gauges is determined here; the filter reaches ahead of the impact",
         };
         rod.evaluation(request, recorded, instrument)
     }

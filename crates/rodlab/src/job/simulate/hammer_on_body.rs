@@ -1,4 +1,4 @@
-//! First half of paper E: the acceleration of an impact face under hammer blows.
+//! Test of paper E, first half: the acceleration of an impact face that is struck with a hammer.
 
 use impulse::Domain;
 use labio::Quantity;
@@ -28,7 +28,7 @@ const LINES: usize = 200;
 pub struct HammerOnBodySheet {
     /// The body, from its impact face on.
     pub body: BodySheet,
-    /// The blows on the face.
+    /// The hammer hits on the face.
     pub blows: BlowsSheet,
 }
 

@@ -27,7 +27,7 @@ const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
 const FREE: &str = "free end";
 /// Default number of cells per wavelength of the shortest wave that the recorder passes. The error
-/// of the chain is then some thousandths of the wave front.
+/// of the chain is then a few thousandths of the amplitude of the wave front.
 const CELLS_PER_WAVE: f64 = 100.0;
 
 /// Largest product of the numbers of cells and steps in all tests of a sheet; it limits the

@@ -26,7 +26,7 @@ const LEAST_BEFORE: usize = 24 + 16;
 /// Maximum number of samples of a channel. It is limited because the finer history of the channel
 /// is kept in memory.
 const MOST_SAMPLES: f64 = 2_097_152.0;
-/// Default time of a record before the blow \[s\].
+/// Default time of a record before the impact \[s\].
 const USUAL_BEFORE: f64 = 2e-3;
 /// Default full scale of a converter, relative to the largest value of its channel.
 const USUAL_FULL_SCALE: Level = Level::OfPeak(1.25);
@@ -39,7 +39,7 @@ pub struct InstrumentSheet {
     pub sampling_rate: Exact<Frequency>,
     /// Length of a record, such as `"60 ms"`.
     pub length: Exact<Duration>,
-    /// Time of a record before the blow; by default `"2 ms"`.
+    /// Time of a record before the impact; by default `"2 ms"`.
     pub before: Option<Exact<Duration>>,
     /// Filter before sampling; by default a linear-phase filter with half amplitude at 0.3125 of
     /// the sampling rate.
@@ -107,7 +107,7 @@ pub struct ConverterSheet {
 pub(super) struct History {
     /// Name of the method that computed the history.
     pub(super) generator: String,
-    /// Time of the first value, counted from the blow \[s\]; before it everything is at rest.
+    /// Time of the first value, counted from the impact \[s\]; before it everything is at rest.
     pub(super) begins: f64,
     /// Time step \[s\].
     pub(super) step: f64,
@@ -137,7 +137,7 @@ impl InstrumentSheet {
         self.sampling_rate.si()
     }
 
-    /// Returns the time of a record before the blow \[s\].
+    /// Returns the time of a record before the impact \[s\].
     pub(super) fn before(&self) -> f64 {
         self.before.as_ref().map_or(USUAL_BEFORE, Exact::si)
     }
@@ -147,7 +147,7 @@ impl InstrumentSheet {
         1.0 / (self.rate_hz() * FINER as f64)
     }
 
-    /// Returns the duration of the required histories after the blow \[s\]: up to the end of the
+    /// Returns the duration of the required histories after the impact \[s\]: up to the end of the
     /// record, plus the length over which the filter acts.
     pub(super) fn duration(&self) -> f64 {
         self.length.si() - self.before() + 32.0 / self.rate_hz()
@@ -243,7 +243,7 @@ impl InstrumentSheet {
         Ok(())
     }
 
-    /// Returns `history` after filter and sampling. The record begins at time 0, and the blow is
+    /// Returns `history` after filter and sampling. The record begins at time 0, and the impact is
     /// `before` later.
     #[allow(
         clippy::indexing_slicing,

@@ -1,4 +1,4 @@
-//! Planned blows of a striker on other rods, and the sheets of their virtual tests.
+//! Planned impacts of a striker on other rods, and the sheets of their virtual tests.
 
 use maxwellid::design::PlannedTest;
 use maxwellid::{MaxwellidError, RodTest};
@@ -12,7 +12,7 @@ use super::choice::{Choice, StruckRod};
 use super::{IdentifySheet, LeftLaw};
 use crate::job::simulate::inelastic_law::{self, LawVisitor};
 
-/// Number of samples of a planned record before the blow; it is twice the length over which the
+/// Number of samples of a planned record before the impact; it is twice the length over which the
 /// filter of the recorder acts.
 const BEFORE: usize = 48;
 
@@ -44,7 +44,7 @@ pub(super) fn planned(
     inelastic_law::planned(leading.law, of_law, by).map_err(refused)?
 }
 
-/// A blow on a rod with any law.
+/// An impact of a striker on a rod with any law.
 struct Blow<'a> {
     rod: &'a StruckRod<'a>,
     velocity: f64,
