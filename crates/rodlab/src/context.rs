@@ -22,8 +22,8 @@ pub struct JobContext<'a> {
     pub interrupted: &'a AtomicBool,
     /// True if the job ends when it has read all its files ([`check`](crate::job::check)).
     pub only_reads: bool,
-    /// Draw of a Monte Carlo computation, if this is one. The job then adds drawn random errors to
-    /// its data, and produces only the numbers of its result.
+    /// Draw of a Monte Carlo computation; `None` in an ordinary run. In a draw, the job adds drawn
+    /// random errors to its data, and produces only the numbers of its result.
     pub draw: Option<Draw>,
 }
 

@@ -21,8 +21,8 @@ pub(crate) fn short(value: f64) -> String {
     trimmed(&text).to_owned()
 }
 
-/// Returns `value` to the second digit of its standard error, and with at least three significant
-/// digits.
+/// Returns `value` rounded to the second significant digit of its standard error, but with at least
+/// three significant digits.
 #[must_use]
 pub(crate) fn to_error(value: f64, error: f64) -> String {
     let orders = value.abs().log10().floor() - error.abs().log10().floor();

@@ -55,7 +55,7 @@ mod tests {
         assert_eq!(doubt(&path, b"lines"), None);
         standing(r#"{"answer": "in doubt", "reasons": ["one", "two"]}"#);
         assert_eq!(doubt(&path, b"lines").as_deref(), Some("one"));
-        // a file of another run
+        // the hash differs from that in `result.json`: another run wrote the file
         assert_eq!(doubt(&path, b"other lines"), None);
         standing(r#"{"answer": "not allowed", "reasons": ["none"]}"#);
         assert_eq!(doubt(&path, b"lines").as_deref(), Some("none"));

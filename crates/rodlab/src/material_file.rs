@@ -139,7 +139,7 @@ impl MaterialFile {
         Ok(Self { entries, law })
     }
 
-    /// Reads the file; `what` completes "reading".
+    /// Reads the file; `what` completes the message "reading …".
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Files of numbers over time or frequency that are not records of sensors, such as readings or
+//! Files of numbers over time or frequency that are not records of sensors, such as loss factors or
 //! ratios of spectra.
 
 use std::path::Path;
@@ -70,7 +70,7 @@ impl NumberFile {
     }
 }
 
-/// A column of a file, over its abscissa.
+/// A column of a file, with its abscissa.
 #[derive(Debug)]
 pub(crate) struct Column<'a> {
     series: &'a Series,

@@ -121,7 +121,7 @@ impl Outcome {
     }
 
     /// Returns the outcome as it leaves the job. If the outcome is in doubt, its first sentence
-    /// states this, and of the quantities only passed checks stay valid, because no single number
+    /// states this. Of its quantities, only checks that pass stay valid, because no single number
     /// of a doubtful result may be used.
     #[must_use]
     pub(crate) fn settled(mut self) -> Self {
@@ -160,8 +160,8 @@ fn names_of_figures<S: serde::Serializer>(
     }))
 }
 
-/// Verdict on a result. Errors in the sheet or in a file are no verdict, because there is no result
-/// then.
+/// Verdict on a result. A mistake in the sheet or in a file gives no verdict, because there is no
+/// result then.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "Told", try_from = "Told")]
 pub enum Verdict {

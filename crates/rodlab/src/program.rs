@@ -311,14 +311,14 @@ fn one_sheet(
     Ok(Ending::With(standing))
 }
 
-/// Returns true if the standard output and the standard error appear on a terminal, where one
-/// follows the other.
+/// Returns true if both the standard output and the standard error are terminals, where the message
+/// follows the result.
 fn is_one_terminal() -> bool {
     io::stdout().is_terminal() && io::stderr().is_terminal()
 }
 
 /// Removes the sheet that this run has written itself, so that the corrected command writes its
-/// sheet under the same name. An earlier result in `folder` is that of another sheet, and stays.
+/// sheet under the same name. An earlier result in `folder` belongs to another sheet, and is kept.
 fn withdraw(sheet: &Path, folder: &Path, err: &mut dyn Write) {
     if fs::remove_file(sheet).is_err() {
         return;

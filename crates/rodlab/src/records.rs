@@ -56,8 +56,8 @@ pub struct Records {
     #[serde(default)]
     pub files: Vec<String>,
     /// Sampling rate, for files that do not record it (NPY), that record it rounded (by less than
-    /// 0.1 %), or that have times which are not evenly spaced. In the last case all times must be
-    /// within half a step of this rate.
+    /// 0.1 %), or that have times which are not evenly spaced. In the last case every time must be
+    /// within half a step of an even grid at this rate.
     pub sampling_rate: Option<NotFollowed<Frequency>>,
     /// Channels that are used; all others are ignored.
     pub channels: Vec<ChannelSheet>,

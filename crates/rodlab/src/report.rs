@@ -57,7 +57,7 @@ struct Page<'a> {
 /// Prefix of the names of statements that are shown at the head of the page.
 const ABOUT: &str = "about.";
 
-/// A figure, with and without scripts.
+/// A figure, as data for the script and as a drawing for readers without scripts.
 #[derive(Serialize)]
 struct FigurePart<'a> {
     name: &'a str,

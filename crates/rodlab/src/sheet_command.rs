@@ -513,7 +513,7 @@ mod tests {
     fn what_makes_no_sheet_is_refused() {
         let refused = |words: &[&str]| written(words).unwrap_err().to_string();
         assert!(refused(&["frf", "a.npy", "b.npy"]).contains("--save"));
-        // a command for a rod without its density
+        // the command for a rod needs its density
         let words = [
             "rodlab",
             "modulus",

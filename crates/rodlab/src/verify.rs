@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{RodlabError, input, material_file};
 
-/// Name of the file of a result.
+/// Name of the file that describes a result.
 const RESULT: &str = "result.json";
 
 /// Comparison of a result with its sheet and its files.

@@ -153,7 +153,7 @@ pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabErr
         software: &'static str,
         #[serde(flatten)]
         row: &'a Row,
-        /// Remaining files of an older result.
+        /// Files of an older result that are still in the folder.
         files: Vec<String>,
     }
     output::replace_by_failure(folder, |files| {

@@ -1,5 +1,5 @@
-//! Bodies of a sheet: computed chains of elements, single lumps, measured bodies, and assemblies of
-//! several bodies.
+//! Bodies of a sheet: computed chains of elements, lumped bodies, measured bodies, and assemblies
+//! of several bodies.
 
 pub mod assembly;
 mod slenderness;
@@ -25,8 +25,8 @@ use crate::RodlabError;
 use crate::sheet::plausible;
 use crate::sheet::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 
-/// A body: a chain of elements that starts at its impact face, a lump, a measured body, or an
-/// assembly.
+/// A body: a chain of elements that starts at its impact face, a lumped body, a measured body, or
+/// an assembly.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum BodySheet {
@@ -127,7 +127,7 @@ pub enum ComputedBody {
     Analytic(AnalyticChain),
     /// A chain with at least one material that is known for real frequencies only.
     OnAxis(Chain),
-    /// A lump.
+    /// A lumped body: a rigid mass or, if `mass` is `None`, a characteristic impedance.
     Lump {
         /// Mass of a rigid body.
         mass: Option<f64>,

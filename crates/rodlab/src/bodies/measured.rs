@@ -47,7 +47,7 @@ pub struct MeasuredBodySheet {
     /// Removes the part of the impulse response before the impulse; by default it is kept.
     #[serde(default)]
     pub causal: bool,
-    /// Removes negative real parts, with which the body would give out energy; by default they are
+    /// Removes negative real parts, with which the body would generate energy; by default they are
     /// kept.
     #[serde(default)]
     pub passive: bool,

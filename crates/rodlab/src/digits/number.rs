@@ -4,8 +4,8 @@ use rodfigure::superscript;
 
 use super::{prefix_for, trimmed};
 
-/// Returns `value` with its standard error, both to the second digit of the error. Without an error
-/// the value has five digits.
+/// Returns `value` with its standard error, both rounded to the second significant digit of the
+/// error. Without an error the value has five digits.
 ///
 /// Large and small numbers share a power of ten with their error: `(2.612 ± 0.014)×10⁹`.
 pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {

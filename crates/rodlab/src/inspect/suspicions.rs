@@ -6,8 +6,8 @@ use labio::{Abscissa, Contents, Dimension, Quantity, Record, Series, Unit};
 use crate::RodlabError;
 use crate::digits::short;
 
-/// Gives data sets without a known unit, or without a unit of time, a default for the inspection.
-/// Returns true if the file records every sampling rate.
+/// Sets a unit for the inspection where the file has none: 1 for values, s for times. Returns true
+/// if the file records every sampling rate.
 pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     let unit =
         |text| Unit::parse(text).map_err(|error| RodlabError::step("checking levels", error));

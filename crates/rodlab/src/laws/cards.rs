@@ -66,8 +66,8 @@ pub(super) fn attach(
     let at = at.unwrap_or_else(|| lines.data.middle_frequency_hz());
     let card = match card.with_poisson_ratio_at(at, ratio.standard_uncertainty) {
         Ok(card) => card,
-        // with the elastic bulk modulus from this ratio, the material is no possible solid at
-        // frequencies at which the modulus differs
+        // the elastic bulk modulus follows from this ratio; with it, the card may not describe a
+        // possible solid at frequencies at which the modulus is different
         Err(error @ CmodError::NonPhysical { .. }) if asked.poisson_ratio_at.is_none() => {
             outcome.warnings.push(format!(
                 "No card is written: {error}. The ratio is assumed to apply at {}; state `poisson_ratio_at` if it applies at another frequency.",

@@ -100,10 +100,10 @@ pub(crate) fn fit(
     Ok(Some(comparison))
 }
 
-/// Returns the clause that no law explains the lines, with the chi-square of the preferred one.
+/// Returns the clause that no law explains the lines, with the chi-square of the preferred law.
 pub(crate) fn unexplained(best: &RheologicalFit) -> String {
     format!(
-        "no law explains the moduli within their stated errors: chi-square of the preferred one ({}) is {} with {} degrees of freedom",
+        "no law explains the moduli within their stated errors: chi-square of the preferred law ({}) is {} with {} degrees of freedom",
         best.law.law(),
         significant(best.chi_squared, 3),
         best.degrees_of_freedom

@@ -210,7 +210,7 @@ mod tests {
         let mut lock = FolderLock::of(folder.path()).unwrap();
         assert!(lock.listed().unwrap().iter().eq(["force.csv"]));
         lock.list(["result.json"].into_iter()).unwrap();
-        // the incomplete line remains as a name without a file
+        // the incomplete line is now listed too, as a name that no file has
         assert!(lock.listed().unwrap().contains("result.json"));
     }
 

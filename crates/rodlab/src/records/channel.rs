@@ -32,7 +32,7 @@ pub struct ChannelSheet {
     /// True for a sensor that is wired or mounted in the opposite direction.
     #[serde(default)]
     pub inverted: bool,
-    /// Reading at rest, in the unit of the file, which is subtracted.
+    /// Value at rest, in the unit of the file, which is subtracted.
     #[serde(default)]
     pub offset: f64,
     /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or

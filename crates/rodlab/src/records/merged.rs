@@ -10,9 +10,9 @@ use crate::RodlabError;
 /// Largest relative difference between sampling rates that count as equal.
 const SAME_RATE: f64 = 1e-9;
 
-/// Largest difference between start times that count as equal, in steps: what remains of times that
-/// are written with seven digits. It turns the phase between two channels by at most 3e-4 rad, at
-/// half the sampling rate.
+/// Largest difference between start times that count as equal, in steps; it allows for start times
+/// that are rounded to seven digits. Such a difference turns the phase between two channels by at
+/// most 3e-4 rad, at half the sampling rate.
 const SAME_START: f64 = 1e-4;
 
 /// Refuses a record whose samples are not at the times of the `first` record. Both records come

@@ -19,7 +19,7 @@ use super::files::{self, FoundFile};
 use super::{ChannelSheet, Records, wildcards};
 use crate::RodlabError;
 
-/// Files with the same mark belong together.
+/// Mark of a file. Files of different channels with the same mark belong to one hit.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Mark {
     /// Index of the name or pattern in the list of its channel.

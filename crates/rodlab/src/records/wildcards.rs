@@ -13,7 +13,7 @@ pub(super) fn texts(pattern: &str, path: &Path, folder: &Path) -> Vec<String> {
         _ => path,
     };
     let path = with_slashes(within);
-    // without these parts, the whole path is the text: it is that of no other file
+    // if the path lacks a part of the pattern, the whole path is the text, which no other file has
     texts_between(&with_slashes(pattern), &path).unwrap_or_else(|| vec![path])
 }
 
