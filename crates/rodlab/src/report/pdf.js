@@ -1,9 +1,9 @@
-// A drawing of this page (paths, letters, moves) as a page of PDF, with the two fonts that every reader of PDF has.
+// Conversion of a drawing of this page (paths, text, transforms) to a page of PDF, with two fonts that every PDF reader has.
 const SYMBOLS = Object.fromEntries([...[..."αβχδεφγηιϕκλμνοπθρστυϖωξψζ"].map((c, i) => [c, 97 + i]), ...[..."ΑΒΧΔΕΦΓΗΙϑΚΛΜΝΟΠΘΡΣΤΥςΩΞΨΖ"].map((c, i) => [c, 65 + i]),
   ["′", 0xa2], ["≤", 0xa3], ["∞", 0xa5], ["→", 0xae], ["″", 0xb2], ["≥", 0xb3], ["∂", 0xb6], ["≈", 0xbb], ["√", 0xd6]]);
 const MARKS = { "‐": 0x2d, "‑": 0x2d, "−": 0x96, "–": 0x96, "—": 0x97, "‘": 0x91, "’": 0x92, "“": 0x93, "”": 0x94, "•": 0x95, "…": 0x85, "€": 0x80, "Œ": 0x8c, "œ": 0x9c, "Š": 0x8a, "š": 0x9a, "Ž": 0x8e, "ž": 0x9e, "Ÿ": 0x9f };
 
-// font, code, share of the size and rise of a character; nothing if neither font has it
+// returns font, code, relative size and rise of a character; null if neither font has it
 function letter(c) {
   const code = c.codePointAt(0), [raised, lowered] = ["⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "₀₁₂₃₄₅₆₇₈₉₋₊"].map((all) => all.indexOf(c));
   if (raised >= 0 || lowered >= 0) return { font: 1, code: "0123456789\x96+".charCodeAt(Math.max(raised, lowered)), size: 0.66, rise: raised >= 0 ? 0.36 : -0.16 };
@@ -13,7 +13,7 @@ function letter(c) {
   return plain === c ? null : letter(plain);
 }
 
-// The file of an SVG with its attributes written out, `width` millimetres wide, and the characters that it cannot show.
+// Returns an SVG, whose parts must state all their attributes, as a PDF file `width` millimetres wide, and the characters that the file cannot show.
 function pdf(svg, title, width) {
   const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement;
   const [x0, y0, wide, high] = root.getAttribute("viewBox").split(" ").map(Number);
@@ -34,7 +34,7 @@ function pdf(svg, title, width) {
         case "Z": [x, y] = from; text += "h\n"; break;
         case "H": x = ox + next(); go("l", x, y); break;
         case "V": y = oy + next(); go("l", x, y); break;
-        case "A": { // half a circle to the right below, or to the left above
+        case "A": { // half a circle: its lower half drawn to the right, or its upper half drawn to the left
           const r = next();
           for (let n = 4; n--; ) next();
           const across = next(), down = Math.sign(across), k = 0.5523 * r * down;
@@ -90,7 +90,7 @@ function pdf(svg, title, width) {
       const edge = clip && [...root.getElementsByTagName("clipPath")].find((one) => one.id === clip[1]);
       if (part.tagName === "text") words(part, here);
       else if (part.tagName !== "clipPath") {
-        // letters have a matrix of their own; everything else is drawn where it is
+        // text has its own matrix; all other parts are transformed here
         out += "q\n";
         if (edge) out += `${outline(edge.firstElementChild.getAttribute("d"))}W n\n`;
         if (part.tagName === "path") out += `${here.map(number).join(" ")} cm\n`, path(part);

@@ -1,4 +1,4 @@
-// Figures that can be read: values under the cursor, zoom, scales, curves shown and hidden. Ranges and ticks are those of rodfigure.
+// Interactive figures: values under the cursor, zoom, linear and logarithmic scales, curves that can be hidden. Ranges and ticks are those of rodfigure.
 "use strict";
 const abs = Math.abs, lg = Math.log10;
 const esc = (s) => s.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
@@ -53,12 +53,12 @@ const inLines = (axis, most) => title(axis).split(" ").reduce((lines, word) => {
 }, []);
 const MARKERS = ["m-2.8 0a2.8 2.8 0 1 0 5.6 0a2.8 2.8 0 1 0-5.6 0z", "m-2.6-2.6h5.2v5.2h-5.2z", "m0-3.6l3.2 5.8h-6.4z", "m0-3.7l3.7 3.7-3.7 3.7-3.7-3.7z",
   "m0 3.6l3.2-5.8h-6.4z", "m-3-3l6 6m-6 0l6-6", "m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z"];
-// a column of a journal: 84 mm, drawn so that letters have nine points
+// saved panels fit a journal column of 84 mm; at this scale their text has a size of nine points
 const COLUMN = 318, COLUMN_MM = 84, DOTS = 1984;
 const LOOK = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "font-family", "font-size", "text-anchor"];
 let clips = 0;
 
-// colours of paper, whatever those of the screen
+// calls `act` with the colours for paper, even if the screen shows the dark ones
 function onPaper(act) {
   const root = document.documentElement, light = document.styleSheets[0].cssRules[0].style;
   for (const name of light) if (name.startsWith("--")) root.style.setProperty(name, light.getPropertyValue(name));
@@ -80,7 +80,7 @@ function figure(box) {
   const fit = (wanted) => wanted !== width && ((width = wanted), panels.forEach((p) => p.draw()));
   const screen = () => fit(Math.max(box.clientWidth, 240));
   addEventListener("resize", screen);
-  // a page of paper is as wide as this, so that letters have their size
+  // 680 px is the width of a printed page, so that the text keeps its size
   addEventListener("beforeprint", () => fit(680));
   addEventListener("afterprint", screen);
   screen();
@@ -222,7 +222,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
     }
     own.draw = draw;
 
-    // the sample nearest to a place, and what every curve has there
+    // shows the values of all curves at the sample nearest to a position
     function read(px, py) {
       const shown = curves.filter((m) => !hidden.has(m.n));
       const far = (m, i) => (is(fx(m.x[i])) && is(fy(m.y[i])) ? (p.e ? Math.hypot(fx(m.x[i]) - px, fy(m.y[i]) - py) : abs(fx(m.x[i]) - px)) : 1 / 0);
@@ -241,7 +241,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       svg.querySelector(".cursor").innerHTML = dots;
       out.textContent = words;
     }
-    // neither finer than numbers are nor beyond them
+    // sets the range `r` of an axis, unless it is too narrow for the precision of numbers or too large
     const to = (state, r) => r.every((v) => abs(v) < 1e99 && (!state.log || v > 1e-99)) && r[1] - r[0] > 1e-9 * Math.max(abs(r[0]), abs(r[1])) && (state.zoom = r);
     const zoom = (by, px = (left + right) / 2) => {
       to(view, [left, right].map((v) => fx.back(px + (v - px) * by)));
@@ -257,7 +257,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       down.set(e.pointerId, place(e));
       from = e.pointerType === "touch" ? null : place(e);
       spread = 0;
-      try { svg.setPointerCapture(e.pointerId); } catch { /* gone already */ }
+      try { svg.setPointerCapture(e.pointerId); } catch { /* the pointer was released already */ }
     };
     svg.onpointermove = (e) => {
       const [x, y] = place(e);
@@ -287,7 +287,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       svg.querySelector(".cursor").innerHTML = "";
     };
     svg.ondblclick = reset;
-    // a page scrolls under the wheel until the figure is clicked
+    // until the figure is clicked, the wheel scrolls the page
     svg.addEventListener("wheel", (e) => {
       if (document.activeElement !== svg && !e.ctrlKey) return;
       e.preventDefault();
@@ -312,7 +312,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       else return;
       e.preventDefault();
     };
-    // the panel as a file of its own, with its legend above
+    // returns the panel as an SVG file, with its legend above it
     function file() {
       const was = width;
       let text;
@@ -355,7 +355,7 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
     const pdfFile = () => {
       const { text, lost } = pdf(file(), title(p.y), COLUMN_MM);
       download(new Blob([text], { type: "application/pdf" }), `${name}.pdf`);
-      if (lost.length) out.textContent = `The PDF has no letters for ${lost.join(" ")}; the SVG has them.`;
+      if (lost.length) out.textContent = `The fonts of the PDF lack ${lost.join(" ")}; the SVG shows them.`;
     };
     const scale = (state) => { state.log = state.log ? 0 : 1; state.zoom = null; redraw(); };
     [() => zoom(0.8), () => zoom(1.25), reset, () => scale(view), () => scale(own), svgFile, pngFile, pdfFile].forEach((act, i) => (tools[i].onclick = act));

@@ -3,7 +3,7 @@ use rodfigure::{Panel, Role, svg_of};
 use super::*;
 use crate::outcome::{Cells, Column, Quantity, Setting, Table};
 
-/// Returns a panel with a line, whose labels contain markup.
+/// Returns a panel with one line; the labels of its axes contain markup.
 fn line(role: Role, name: &str) -> Panel {
     let marks = vec![Mark::line(name, role, [(0.0, 0.0), (1.0, 1.0)])];
     Panel::new(("</script>", "</noscript>"), ("<g>", ""), marks)
@@ -32,7 +32,7 @@ fn a_title_is_text_whatever_it_contains() {
         panels: vec![line(Role::First, "</noscript></script>")],
     }];
     let page = page(&outcome);
-    // one script element is the script and one the data of the only figure
+    // there are two script elements: the script of the page, and the data of the only figure
     assert_eq!(page.matches("<script").count(), 2, "{page}");
     assert_eq!(page.matches("</script>").count(), 2);
     assert_eq!(page.matches("</noscript>").count(), 1);
@@ -249,11 +249,11 @@ fn the_page_has_the_colours_and_dashes_of_the_files() {
     let roles = (0..5).map(Role::of_series).chain([Role::Reference]);
     for (index, role) in roles.enumerate() {
         let svg = svg_of(&Figure::new("a", "", vec![line(role, "curve")]));
-        // the first match is the sample in the legend
+        // the first match is the curve in the legend
         let attribute = |name: &str| svg.split_once(name)?.1.split('"').next();
         let color = attribute("stroke=\"").unwrap();
         let color = format!("--s{index}: {color};");
-        // once for screens and once for paper
+        // the colour is defined once for screens and once for paper
         assert_eq!(style.matches(&color).count(), 2, "{color}");
         if let Some(dash) = attribute("stroke-dasharray=\"") {
             let dash = format!(".l.s{index} {{ stroke-dasharray: {dash};");

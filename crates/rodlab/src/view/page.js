@@ -1,4 +1,4 @@
-// The text of the sheet is the state; all else is made from it and from the answers of the program.
+// The text of the sheet is the state; the rest of the page follows from it and from the answers of the program.
 "use strict";
 const id = (name) => document.getElementById(name);
 const words = id("words");
@@ -39,8 +39,8 @@ const mark = () => {
   document.title = (changed ? "* " : "") + document.querySelector("h1").textContent;
 };
 
-// One evaluation at a time; what has been changed meanwhile is evaluated next. What takes long waits until the text has
-// not been changed for a moment.
+// Runs one evaluation at a time, and then evaluates the changes made in the meantime. Laws and draws take long, and are
+// computed when the text has not been changed for a moment.
 const evaluate = async () => {
   clearTimeout(rest);
   if (asking || words.value === evaluated) return;
@@ -87,7 +87,7 @@ const show = (found, isCurrent) => {
   showReport(found.report);
 };
 
-// The new report takes the place of the old one when it is drawn, at the same position.
+// Replaces the old report by the new one when the new one is drawn, scrolled to the same position.
 const showReport = (number) => {
   const last = id("result").querySelector("iframe:not(.next)");
   id("result").querySelectorAll("iframe.next").forEach((frame) => frame.remove());
@@ -101,7 +101,7 @@ const showReport = (number) => {
   id("result").append(next);
 };
 
-// The text before a change, once for the changes of one value within a second.
+// Stores the text before a change, for undo. Changes of one value within a second count as one change.
 const remember = (name) => {
   const now = performance.now();
   if (name === undefined || name !== touched.name || now - touched.at > 1000) before.push(words.value);
@@ -116,7 +116,8 @@ const change = (text) => {
   evaluate();
 };
 
-// A number in front of a unit or in quotes, or one with a decimal point: bare whole numbers count channels and hits.
+// A number before a unit, in quotes, or with a decimal point. Bare whole numbers, such as those of channels and hits,
+// are excluded.
 const quantity = /^(["']\s*|(?=[^"']*\.))([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?=\s|["']?$)/;
 
 const written = (value, like) => {
@@ -169,7 +170,7 @@ const control = (value) => {
     remember(own.name);
     const from = Number(start);
     const part = Number(slider.value);
-    // by a factor of up to two; a value that is 0, by up to one
+    // the slider changes a value by a factor of up to two, and a value of 0 by up to one
     put(written(from === 0 ? part : from * 2 ** part, from === 0 ? "0.00" : start));
     number.value = text().replace(/^["']|["']$/g, "");
   });
