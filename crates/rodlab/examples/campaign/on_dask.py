@@ -1,4 +1,4 @@
-"""A campaign on Dask: python on_dask.py [ADDRESS OF A SCHEDULER]; without an address on two processes of this machine."""
+"""A campaign on Dask: python on_dask.py [ADDRESS OF A SCHEDULER]. Without an address, it runs in two processes on this machine."""
 
 import subprocess
 import sys
