@@ -235,15 +235,16 @@ impl fmt::Display for Short {
     }
 }
 
-/// Returns what the values of a channel are relative to a trigger that never fired.
+/// Returns the clause that compares the values of a channel with the level of a trigger that never
+/// fired.
 fn untriggered(level: f64, hysteresis: f64, [least, greatest]: [f64; 2]) -> String {
     let [in_words, hysteresis] = [level, hysteresis].map(Short);
     if least < level && level < greatest {
         format!(
-            "passes {in_words} without having been at least {hysteresis} (the hysteresis) on the other side of it"
+            "crosses {in_words}, but was never at least {hysteresis} (the hysteresis) on the other side of it"
         )
     } else {
-        format!("never passes {in_words}")
+        format!("never crosses {in_words}")
     }
 }
 
@@ -353,8 +354,8 @@ mod tests {
         let said: Vec<String> = said.iter().map(ToString::to_string).collect();
         insta::assert_snapshot!(said.join("\n"), @r"
         no hit: the largest excursion of `force` is 0.500, its noise 0.123
-        not triggered: `force` never passes 10.00; its values are between -0.250 and 9.500
-        not triggered: `force` passes 10.00 without having been at least 1.000 (the hysteresis) on the other side of it; its values are between 9.500 and 300.0
+        not triggered: `force` never crosses 10.00; its values are between -0.250 and 9.500
+        not triggered: `force` crosses 10.00, but was never at least 1.000 (the hysteresis) on the other side of it; its values are between 9.500 and 300.0
         cut at the start: 12 samples are missing before the hit; start the record earlier, with a pre-trigger of about a tenth of its length
         cut at the end: 7 samples are missing after the hit
         lost samples: `force` is NaN or infinite at sample 9

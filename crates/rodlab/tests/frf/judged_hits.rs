@@ -104,7 +104,7 @@ fn a_long_record_is_cut_by_a_trigger() {
     )
     .unwrap();
     let reason = refusal(&silent);
-    insta::assert_snapshot!(reason, @r"no hit is found (hit 1, long.npy: not triggered: `hammer` never passes 2000; its values are between -0.376 and 189.7)");
+    insta::assert_snapshot!(reason, @r"no hit is found (hit 1, long.npy: not triggered: `hammer` never crosses 2000; its values are between -0.376 and 189.7)");
     let wrong = run(
         folder.path(),
         &sheet_of("long.npy", &cut("").replace("20 N", "20 g")),

@@ -289,5 +289,5 @@ fn s14_a_hysteresis_beyond_the_signal_is_told() {
     let Verdict::NotAllowed { reason } = run(folder.path(), &sheet).unwrap().verdict else {
         panic!("a hit without a trigger");
     };
-    insta::assert_snapshot!(reason, @"no hit is found (hit 1, hit_0.npy: not triggered: `hammer` passes 20.00 without having been at least 300.0 (the hysteresis) on the other side of it; its values are between -0.334 and 147.9)");
+    insta::assert_snapshot!(reason, @"no hit is found (hit 1, hit_0.npy: not triggered: `hammer` crosses 20.00, but was never at least 300.0 (the hysteresis) on the other side of it; its values are between -0.334 and 147.9)");
 }
