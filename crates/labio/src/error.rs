@@ -51,7 +51,7 @@ pub enum LabioError {
         found: usize,
         expected: usize,
     },
-    /// A pulse begins in the silence that is stated before it.
+    /// A pulse begins within the stated silence.
     #[error("a pulse begins after {found:.3e} s, expected a silence of {stated:.3e} s before it")]
     SilenceEnds {
         /// Time of the first sample of the pulse, in seconds from the beginning of the record.
@@ -59,7 +59,7 @@ pub enum LabioError {
         /// Stated duration of the silence, in seconds.
         stated: f64,
     },
-    /// No pulse stands out from the noise in the silence.
+    /// The noise in the silence is too large, compared with the largest sample, to find a pulse.
     #[error(
         "the noise in the silence before a pulse is {noise:.3e}, expected at most 2 % of the largest sample, {peak:.3e}"
     )]
@@ -70,7 +70,7 @@ pub enum LabioError {
         peak: f64,
     },
     /// A pulse has no echo of the opposite sign.
-    #[error("no pulse of the opposite sign follows a pulse, expected after {expected:.3e} s")]
+    #[error("no pulse of the opposite sign follows a pulse, expected one after {expected:.3e} s")]
     NoEcho {
         /// Expected delay, in seconds.
         expected: f64,
@@ -89,12 +89,12 @@ pub enum LabioError {
     },
     /// The next wave arrives before the echo of a pulse has passed.
     #[error(
-        "the next wave arrives {next:.3e} s after the front of an echo, expected after the pulse of {pulse:.3e} s has passed"
+        "the window of an echo may last {next:.3e} s before the next wave, expected more than the pulse of {pulse:.3e} s with its margins"
     )]
     EchoOvertaken {
         /// Duration of the pulse, in seconds.
         pulse: f64,
-        /// Time from the front of the echo to the next wave, in seconds.
+        /// Longest window of the echo that ends before the next wave, in seconds.
         next: f64,
     },
     /// The record ends before the echo of a pulse does.
@@ -105,7 +105,7 @@ pub enum LabioError {
         /// Duration needed, in seconds.
         expected: f64,
     },
-    /// A channel still moves at the end of a hit after which rest is assumed.
+    /// A channel still moves at the end of a hit that is to be padded with its level at rest.
     #[error(
         "`{channel}` deviates from its rest level by {remainder:.3e} rms in the last tenth of the record, expected no more than noise and a thousandth of its peak of {peak:.3e}"
     )]
@@ -282,7 +282,7 @@ pub enum LabioError {
         place: Place,
         /// The next part to be read (shortened if long).
         what: String,
-        /// Lower bound of the bytes that the contents would need with this part.
+        /// Lower bound of the memory in bytes that the contents would need, including this part.
         needed: u64,
         /// Limit in bytes, see [`MemoryLimit`](crate::format::MemoryLimit).
         limit: u64,

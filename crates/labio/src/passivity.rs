@@ -71,7 +71,7 @@ impl FrequencyResponse {
     pub fn passivity(&self, level: f64) -> Result<PassivityReport, LabioError> {
         if !(level > 0.0 && level < 1.0) {
             return Err(LabioError::NonPhysical {
-                quantity: "level of a line that generates energy [-]",
+                quantity: "probability level of an active line [-]",
                 value: level,
                 expected: "between 0 and 1",
             });
@@ -179,8 +179,8 @@ mod tests {
         let response = damper(0.0, 0, 1.0).h1("force", "velocity").unwrap();
         let report = response.passivity(0.02).unwrap();
         assert!(report.lines.contains(&Passivity::WithinError));
-        // with three hits, two standard errors would flag 6 %: 1 % of 20 tests with 129 lines is
-        // 26; four standard errors are 20
+        // 20 tests with 129 lines at a level of 1 %: 26 lines, with 20 for four standard errors; a
+        // limit of two standard errors would flag 6 % of the lines from three hits
         let flagged: usize = (0..20)
             .map(|seed| {
                 let response = damper_of(3, 0.0, 0, 1.0, seed)

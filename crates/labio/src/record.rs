@@ -217,7 +217,11 @@ impl Record {
     /// [`LabioError::TooFewSamples`] if the range has fewer than two samples, or extends beyond the
     /// record.
     pub fn part(&self, range: Range<usize>) -> Result<Self, LabioError> {
-        check_enough_samples("the record to take a part of", self.n_samples(), range.end)?;
+        check_enough_samples(
+            "the record that contains the part",
+            self.n_samples(),
+            range.end,
+        )?;
         check_enough_samples("the part of a record", range.len(), 2)?;
         let of = |samples: &Array2<f64>| {
             samples
@@ -244,11 +248,7 @@ impl Record {
         n_samples: usize,
         n_rest: Option<usize>,
     ) -> Result<Self, LabioError> {
-        check_enough_samples(
-            "the record that a hit is continued to",
-            n_samples,
-            self.n_samples(),
-        )?;
+        check_enough_samples("the padded hit", n_samples, self.n_samples())?;
         let of = |samples: &Array2<f64>| {
             let mut longer = Array2::zeros((samples.nrows(), n_samples));
             for (mut to, from) in longer.rows_mut().into_iter().zip(samples.rows()) {
@@ -409,7 +409,7 @@ mod tests {
     use ndarray::array;
 
     impl Record {
-        /// A record for tests from time 0 on, with these channels.
+        /// A record for tests, which begins at time 0 and has these channels.
         pub(crate) fn of_test(
             samples: Array2<f64>,
             rate_hz: f64,

@@ -83,7 +83,7 @@ fn g_is_the_gram_where_a_mass_is_asked_for() {
             "{text} as {like}: {found}"
         );
     }
-    // a unit that fits neither pattern is unambiguous
+    // where neither meaning of `g` has the expected dimension, it is standard gravity
     assert!(!of("g", "m").1 && !of("gn", "kg").1);
     assert_eq!(of("g", "m").0, 9.80665);
 }
@@ -137,7 +137,7 @@ fn what_is_no_unit_is_refused_with_the_part_that_is_not_understood() {
     `m s°C` is not a known unit: `s°C` is not among the known symbols
     `((((((((((m))))))))))` is not a known unit: `(` is nested too deeply
     `(fs^9)^9` is not a known unit: `(fs^9)^9` has a scale beyond the range of numbers
-    `(m^9)^9 m^9 (m^9)^9` is not a known unit: `(...)` brings the exponents out of range
+    `(m^9)^9 m^9 (m^9)^9` is not a known unit: `(...)` takes the exponents out of range
     `measured at the end of the rod with the small hammer and the whi` is not a known unit: `measured at the ` begins a text that is longer than any unit
     ");
 }

@@ -162,7 +162,7 @@ impl Pulse {
         }
         let until_next = UNTIL_NEXT * apart as f64 * next / self.rate_hz;
         let margin = quiet / 4;
-        // a wave that arrives too late for a number of samples does not limit the windows
+        // a wave so late that its time is no number of samples does not limit the windows
         let until = Extent::Seconds(until_next).samples(self.rate_hz);
         let length = until.map_or(apart, |until| until.min(apart));
         let (from, back) = (first.saturating_sub(margin), front.saturating_sub(margin));
@@ -226,9 +226,9 @@ mod tests {
 
     #[test]
     fn windows_are_equal_and_end_before_the_next_wave() {
-        // a rest of 60 samples and a margin of 15; the delay is 100 samples
+        // a rest of 60 samples, hence a margin of 15; windows as long as the delay of 100 samples
         assert_eq!(windows(400, 200, 1e-3, 9.0), Ok([85..185, 185..285]));
-        // 90 % of 80 samples
+        // windows of 90 % of the 80 samples to the next wave
         assert_eq!(windows(400, 200, 1.2e-3, 0.8), Ok([85..157, 185..257]));
     }
 
@@ -249,7 +249,7 @@ mod tests {
             ),
             (
                 windows(400, 400, 1e-3, 9.0),
-                "no pulse of the opposite sign follows a pulse, expected after 1.000e-3 s",
+                "no pulse of the opposite sign follows a pulse, expected one after 1.000e-3 s",
             ),
             (
                 windows(180, 400, 1e-3, 9.0),
@@ -261,7 +261,7 @@ mod tests {
             ),
             (
                 windows(400, 200, 1e-3, 0.7),
-                "the next wave arrives 6.300e-4 s after the front of an echo, expected after the pulse of 4.000e-4 s has passed",
+                "the window of an echo may last 6.300e-4 s before the next wave, expected more than the pulse of 4.000e-4 s with its margins",
             ),
             (
                 windows(400, 200, f64::NAN, 9.0),

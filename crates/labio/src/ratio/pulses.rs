@@ -35,7 +35,7 @@ impl PulseWindow {
             let what = "the window of a pulse";
             (what, self.samples.len(), FEWEST_SAMPLES)
         } else if self.samples.end >= hit.n_samples() {
-            let what = "the hit to cut a pulse out of";
+            let what = "the hit that contains the pulse";
             (what, hit.n_samples(), self.samples.end + 1)
         } else {
             return Ok(());
@@ -58,7 +58,7 @@ impl PulseWindow {
 ///
 /// at each of `frequency_hz` \[Hz\]. Valid if the window is longer than a period. The second term
 /// is not a random error, but it states the size of an error with unknown phase. This error is the
-/// same in all blows and does not average out: it applies to the mean spectrum of the blows, not to
+/// same in all hits and does not average out: it applies to the mean spectrum of the hits, not to
 /// each spectrum.
 ///
 /// # Errors
@@ -85,7 +85,7 @@ pub fn noise_of_cut_pulse(
     check("noise of a spectrum", noise, noise >= 0.0, not_negative)?;
     for edge in edges {
         check(
-            "record at the edge of a window",
+            "value of the record at the edge of a window",
             edge,
             true,
             "a finite value",
@@ -109,7 +109,7 @@ impl ResponseRatio {
     ///
     /// # Validity
     ///
-    /// Without `n_silent` the channels must be at 0 before the blow: an offset would count as the
+    /// Without `n_silent` the channels must be at 0 before the impact: an offset would count as the
     /// cut end of a pulse.
     ///
     /// # Errors
@@ -132,7 +132,7 @@ impl ResponseRatio {
         for hit in hits {
             let (record, [of_earlier, of_later]) = pulses_of(hit, n_silent, [earlier, later])?;
             delay += (of_later.centre - of_earlier.centre) / count;
-            // noise over the length of the shorter window, in an otherwise silent record
+            // the noise lasts for the shorter window, and the record around the pulse is 0
             repeated = repeated.max(hit.n_samples() as f64 / shortest as f64);
             for (sums, pulse) in edges.iter_mut().zip([&of_earlier, &of_later]) {
                 for (sum, edge) in sums.iter_mut().zip(pulse.edges) {
@@ -157,8 +157,8 @@ impl ResponseRatio {
                     at_rest(LATER, &of_later, later),
                     at_rest(EARLIER, &of_earlier, earlier),
                 )?;
-                // several hits show the error of the level in their coherence, a single one does
-                // not
+                // the coherence of several hits includes the error of the level; a single hit has
+                // no coherence
                 for (edges, error) in edges.iter_mut().zip(level_errors) {
                     *edges = edges.map(|edge: f64| edge.hypot(error));
                 }
@@ -180,7 +180,7 @@ impl ResponseRatio {
     /// the degrees of freedom of the sum ([`known_part::gains`]).
     fn add_cut(&mut self, energy: &[f64], edges: [f64; 2]) -> Result<(), LabioError> {
         check_count("energies of a pulse", energy.len(), self.values.len())?;
-        // the line at 0 Hz does not depend on the modulus, and no such error is added to it
+        // at 0 Hz the error of the edges is not defined, and none is added to this line
         let lines = self.frequency_hz.get(1..).unwrap_or_default();
         let noises = noise_of_cut_pulse(0.0, edges, lines)?;
         let lines = self.values.iter().zip(energy).skip(1).zip(&noises);
@@ -260,11 +260,12 @@ mod tests {
     use num_complex::Complex64;
     use testbed::noise::Noise;
 
-    /// From two averages the variance of a line is distributed as χ²₂/2. The squared error of a
-    /// sum with ν degrees of freedom, divided by its variance, exceeds the limit of F(2, ν) at 5 %,
-    /// ν/2 (0.05^(-2/ν) - 1), with the probability exp(-limit · stated/true variance), since the
-    /// squared error of a complex line is exponentially distributed. Lines with a high ν must not
-    /// be those whose variance is too small by chance.
+    /// The variance of a line from two averages is distributed as χ²₂/2; a known variance is added
+    /// to it. If the sum has ν degrees of freedom, the squared error of the line divided by the sum
+    /// should exceed the limit of F(2, ν) at 5 %, ν/2 (0.05^(-2/ν) - 1), on 5 % of the lines. The
+    /// squared error is exponentially distributed, so that it exceeds the limit with the
+    /// probability exp(-limit · stated/true variance). The test checks that this probability is not
+    /// much higher on the lines with the highest ν, whose variance may be too small by chance.
     #[test]
     fn degrees_of_freedom_of_few_hits_do_not_follow_the_scatter_of_their_variance() {
         const SCATTER: f64 = 4.0; // the variance that the cut adds is 1
@@ -301,9 +302,9 @@ mod tests {
                 lines.iter().map(|(_, part)| part).sum::<f64>() / lines.len() as f64
             };
             assert!(mean(&exceeding) < 0.05, "{}", mean(&exceeding));
-            // a mean over nine lines still contains the line itself, which leaves 11 %; with the
-            // variance of the line alone it is 47 %, and 36 % with the mean over nine of lines that
-            // are eight times repeated
+            // 11 % is expected, because the mean over nine lines contains the line itself. The
+            // variance of the line alone would give 47 %, and a mean over nine lines, each of which
+            // is repeated eight times, 36 %
             let tenth = mean(&exceeding[exceeding.len() * 9 / 10..]);
             assert!(tenth < 0.2, "{tenth}");
         }

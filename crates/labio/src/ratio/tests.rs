@@ -29,8 +29,8 @@ fn shot(random: &mut Noise) -> Record {
     Record::of_test(samples, RATE, &channels)
 }
 
-/// Mean of |δr|² divided by the stated variance, over 300 shots with noise on both channels; it is
-/// 1.
+/// The mean of |δr|² divided by the stated variance is 1, over 300 shots with noise on both
+/// channels.
 #[test]
 fn the_silence_tells_the_error_of_one_ratio() {
     let mut random = Noise::seeded(19);
@@ -44,14 +44,14 @@ fn the_silence_tells_the_error_of_one_ratio() {
         }
     }
     for mean in sums {
-        // 300 exponentially distributed squares: 6 %, and 2 % from a silence of 15 segments; three
-        // times this
+        // standard errors: 6 % of 300 exponentially distributed squares, and 2 % of the noise from
+        // a silence of 15 segments; three times these
         assert!((mean - 1.0).abs() < 0.2, "{mean}");
     }
 }
 
-/// Mean of |δr|² divided by the variance from the coherence, over 60 tests of five hits: H1 is too
-/// low because of the noise of its denominator, by less than its error.
+/// The mean of |δr|² divided by the variance from the coherence is 1, over 60 tests of five hits.
+/// The noise of the denominator makes H1 too low, but by less than its random error.
 #[test]
 fn the_coherence_tells_the_error_of_several_hits() {
     let mut random = Noise::seeded(23);
@@ -69,7 +69,8 @@ fn the_coherence_tells_the_error_of_several_hits() {
         let coherent = ratio.above_chance(0.05).unwrap();
         assert!(coherent[3..40].iter().all(|is| *is));
     }
-    // the signal is 40 dB above the noise; some 2000 squares, each with a pooled variance
+    // some 2000 squares, each divided by a pooled variance; the signal is 40 dB above the noise, so
+    // that the bias of H1 is small
     assert!((sum - 1.0).abs() < 0.15, "{sum}");
 }
 
@@ -125,15 +126,15 @@ fn a_cut_tail_errs_by_its_value_over_omega() {
     };
     let frequency = "frequency [Hz] is 0, expected a finite value above 0";
     assert_eq!(text(0.0, 1.0, 0.0), frequency);
-    let edge = "record at the edge of a window is NaN, expected a finite value";
+    let edge = "value of the record at the edge of a window is NaN, expected a finite value";
     assert_eq!(text(0.0, f64::NAN, 1.0), edge);
     let noise = "noise of a spectrum is -1, expected a finite value, 0 or above";
     assert_eq!(text(-1.0, 1.0, 1.0), noise);
 }
 
-/// A pulse that decays at 800/s and comes again 30 ms later with half its size, where it is cut off
-/// about 3 ms after its onset: without its tail, the ratio has an error of about the size that the
-/// variance states.
+/// A pulse that decays at 800/s, and the same pulse 30 ms later with half its size, cut off about
+/// 3 ms after its onset: the missing tail causes an error of about the size that the variance
+/// states.
 #[test]
 fn a_pulse_without_its_tail_errs_as_it_states() {
     let pulse = |n: f64| {
@@ -172,8 +173,8 @@ fn a_pulse_without_its_tail_errs_as_it_states() {
         let exact = 0.5 * Complex64::new(0.0, -omega * 300.0 / RATE).exp();
         let off = (ratio.values[line] - exact).norm();
         let stated = ratio.variance[line].sqrt();
-        // q(T)/|a + iω| compared with q(T)/ω: a factor of 1.3 at the lowest line, plus the tail of
-        // the earlier pulse
+        // true error q(T)/|a + iω|, stated error q(T)/ω: a factor of 1.3 on the lowest line; the
+        // stated error also includes the tail of the earlier pulse
         assert!(
             off < 1.1 * stated && off > 0.5 * stated,
             "{line}: {off} {stated}"
@@ -185,7 +186,7 @@ fn a_pulse_without_its_tail_errs_as_it_states() {
     };
     let short = "the window of a pulse has 2 samples, expected at least 3";
     assert_eq!(text(&window(395..397)), short);
-    let beyond = "the hit to cut a pulse out of has 1000 samples, expected at least 1001";
+    let beyond = "the hit that contains the pulse has 1000 samples, expected at least 1001";
     assert_eq!(text(&window(395..1000)), beyond);
 }
 
@@ -219,14 +220,14 @@ fn an_offset_does_not_change_the_ratio_of_pulses() {
         for line in [20, 50] {
             let off = (found.values[line] - expected.values[line]).norm();
             let relative = found.variance[line] / expected.variance[line];
-            // rounding of 1e-16, compared with samples of 1 and with a 1 - γ² of 1e-8
+            // rounding errors of 1e-16 relative to samples of 1, and to 1 - γ² = 1e-8
             assert!(
                 off < 1e-11 && (relative - 1.0).abs() < 1e-7,
                 "{off} {relative}"
             );
         }
     }
-    // edges of 0.5 are hundreds of times those of noise
+    // edges of 0.5 instead of edges of noise: a variance more than 1e4 times as large
     let raw = ratio(&lifted, None).variance[20];
     let level = ratio(&lifted, Some(100)).variance[20];
     assert!(raw > 1e4 * level, "{raw} {level}");
@@ -267,10 +268,10 @@ fn ratios_of_other_programs_are_checked() {
     assert!(kept.above_chance(0.05).is_none());
 }
 
-/// A decaying motion of six modes in hits of nearly equal height, behind a converter whose step is
-/// sixteen times the noise, and behind one whose step is a third of it. The ratio without converter
-/// and noise is known. Without the shared part of the variance, the squared errors at odd modes are
-/// 2.3 times the stated ones.
+/// A decaying motion of six modes, in hits of nearly equal height, is recorded by a converter whose
+/// step is sixteen times the noise, and by one whose step is a third of the noise. The ratio
+/// without converter and noise is known. Without the shared part of the variance, the squared
+/// errors at odd modes are 2.3 times the stated variances.
 #[test]
 fn rounding_that_is_alike_in_all_hits_is_part_of_the_error() {
     let mut random = Noise::seeded(20);
@@ -324,8 +325,8 @@ fn rounding_that_is_alike_in_all_hits_is_part_of_the_error() {
         }
         squares.iter().sum::<f64>() / squares.len() as f64
     };
-    // 20 tests of some eleven lines, whose errors are related within a test; the estimate comes
-    // from one other phase of the decay
+    // wide limits: 20 tests of some eleven lines, whose errors are correlated within a test, and an
+    // estimate of the rounding error from a single other part of the decay
     let undithered = mean_square(5e-4, 8e-3);
     assert!((0.4..1.4).contains(&undithered), "{undithered}");
     // independent rounding errors: 20 tests of eleven lines and fourteen degrees of freedom

@@ -194,10 +194,10 @@ mod tests {
             .collect();
         let all: Vec<&Record> = hits.iter().collect();
         let noise = RestNoise::before(&all, "gauge", 512).unwrap();
-        // uniform between -1/2 and 1/2: variance 1/12, spread over 4 kHz
+        // uniform between -1/2 and 1/2: a variance of 1/12, distributed over 4 kHz
         let exact = 1.0 / 12.0 / 4000.0;
         for f in [20.0, 500.0, 3000.0] {
-            // 150 overlapped segments: 8 % per line
+            // 150 overlapped segments: a standard error of 8 % on a line; three of these
             assert!((noise.density_at(f) / exact - 1.0).abs() < 0.25, "{f}");
         }
         let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
@@ -205,8 +205,8 @@ mod tests {
         let mean = energy[200..600].iter().sum::<f64>() / 400.0;
         let promised = noise.amplitude_at(1600.0, 2048.0 / 8000.0).powi(2);
         assert!((promised / mean - 1.0).abs() < 0.25, "{promised} {mean}");
-        // 10 · 512 samples at 8 kHz, over 4 kHz: one degree of freedom per sample, times 0.947 for
-        // the windows (from sin⁴ + cos⁴) and 15/16 for the half segments at the ends
+        // 10 · 512 samples at 8 kHz, over 4 kHz: one degree of freedom per sample, multiplied by
+        // 0.947 for the windows (from sin⁴ + cos⁴) and by 15/16 for the half segments at the ends
         let of_samples = noise.degrees_of_freedom(4000.0) / 5120.0;
         let expected = 0.947 * 15.0 / 16.0;
         assert!((of_samples / expected - 1.0).abs() < 0.01, "{of_samples}");
@@ -229,7 +229,7 @@ mod tests {
         );
         assert_eq!(
             text(200),
-            "the record to take a part of has 100 samples, expected at least 200"
+            "the record that contains the part has 100 samples, expected at least 200"
         );
         assert!(RestNoise::before(&[], "gauge", 20).is_err());
     }

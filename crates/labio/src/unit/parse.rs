@@ -125,7 +125,7 @@ impl Scanner<'_> {
                 exponent
             };
             let Some(next) = product.times(factor, signed) else {
-                return fault(token, "brings the exponents out of range");
+                return fault(token, "takes the exponents out of range");
             };
             product = next;
             operator = match self.operator()? {

@@ -9,7 +9,7 @@ pub(super) struct Ratio {
     denominator: f64,
 }
 
-/// Limit below which every integer is exact as `f64`, and so are products.
+/// Limit below which every integer is exact as `f64`, and so is every product of integers.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
 impl Ratio {
