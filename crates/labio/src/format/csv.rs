@@ -22,8 +22,9 @@
 //! - Complex numbers in one cell, `1.5-2j`.
 //! - The abscissa ([`CsvAbscissa`]): the first column that is called time; otherwise the first
 //!   column of the table, if it has a unit of time, is a frequency or an index, or increases evenly
-//!   in a table without names. Otherwise, and instead of an index, it is the time by the interval
-//!   that the instrument states, or the sample index.
+//!   in a table without names. Without such a column, and instead of an index, the abscissa is the
+//!   time computed from the interval that the instrument states or, if it states none, the sample
+//!   index.
 //!
 //! # Rounded times
 //!
@@ -37,9 +38,9 @@
 //! # Strictness
 //!
 //! A strict reading rejects the following faults; a tolerant one reports them as defects: a row
-//! unlike the others (it is left out), and a cell that is not a number, or that is empty above
-//! other numbers of its column (its value is NaN). A second column of times with other steps, or
-//! with another start, is rejected, or reported. Columns may end early.
+//! unlike the others (it is left out), a cell that is not a number or is empty above other numbers
+//! of its column (its value is NaN), and a second column of times with other steps or another
+//! start. Columns may end early.
 
 mod abscissa;
 mod abscissa_name;

@@ -110,7 +110,7 @@ const INTERVALS: [&str; 3] = ["dt", "sampleinterval", "samplinginterval"];
 /// Lowest sampling rate \[Hz\] that is taken from a variable: a smaller number may be in kHz, and a
 /// longer interval in ms.
 const LOWEST_RATE: f64 = 1000.0;
-/// Largest relative difference of two statements of one rate.
+/// Largest relative difference between two statements of the same rate.
 const SAME_RATE: f64 = 1e-6;
 
 /// Gives the series the times that follow from a variable with the name of a sampling rate or

@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(fortran.samples(), c.samples());
     }
 
-    /// `tests/npy.rs` has the faults of headers, which are the same for any array.
+    /// Faults of headers are tested in `tests/npy.rs`, because they are the same for any array.
     #[test]
     fn what_is_not_the_array_expected_is_refused_with_numbers() {
         let with = |index: usize, value: f64| {

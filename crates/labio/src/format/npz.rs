@@ -6,8 +6,8 @@
 //!
 //! # Other information
 //!
-//! The writer stores the other information about a series, here called `F`, in separate members,
-//! except those that would be empty. The reader restores the information from these members:
+//! The writer stores the other information about a series (named `F` in this table) in separate
+//! members, and writes no empty members. The reader restores the information from these members:
 //!
 //! | member | shape | content |
 //! |---|---|---|

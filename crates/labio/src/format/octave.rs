@@ -439,7 +439,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "not negative; the memory for it is counted before it is taken"
+            reason = "not negative; the memory for it is counted before it is allocated"
         )]
         let n = n.max(0.0) as usize;
         if n == 0 {

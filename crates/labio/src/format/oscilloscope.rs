@@ -7,9 +7,9 @@
 //!
 //! # Rejected files
 //!
-//! Envelopes, histograms, pixel maps and complex traces; the error names them. A strict reading
-//! rejects a file that is shorter than its header states; a tolerant one returns the samples that
-//! exist.
+//! Envelopes, histograms, pixel maps and complex traces are rejected with an error that names the
+//! kind. A strict reading rejects a file that is shorter than its header states; a tolerant one
+//! returns the samples that exist.
 
 mod fields;
 mod isf;

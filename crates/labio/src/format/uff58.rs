@@ -259,7 +259,7 @@ fn data_set(
         .ok_or_else(|| identifier("the end of the file".to_owned()))?;
     let Some((number, binary)) = data_set_number(line) else {
         if line.is_separator() {
-            // one separator is superfluous: the second may open a data set
+            // of two separators in succession, the second may open a data set
             *lines = before;
         } else {
             lines.skip_past_separator();

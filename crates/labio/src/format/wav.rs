@@ -119,7 +119,7 @@ impl WavEncoding {
             Self::Pcm16 => each(bytes, |b| f64::from(i16::from_le_bytes(b)) / 32_768.0, put),
             Self::Pcm24 => each(
                 bytes,
-                // in the upper three of four bytes, so that the sign bit is in place
+                // the three bytes are the upper ones of four, so that the sign bit is in place
                 |[a, b, c]| f64::from(i32::from_le_bytes([0, a, b, c])) / 2_147_483_648.0,
                 put,
             ),

@@ -230,7 +230,7 @@ fn other_times(
             .then_some((from, (to - from) / n_steps as f64))
     };
     let (start, step) = times(first)?;
-    // not the time of the day next to that of the test
+    // columns of other channels on both sides; a time of day next to the time of the test has none
     let stands_between = |at: usize| at > first + 1 && at + 1 < table.columns.len();
     let mut others = (0..table.columns.len()).filter(|&at| at != first);
     let (at, part, other, own) = others.find_map(|at| {

@@ -58,7 +58,7 @@ impl CsvSeparator {
                     .trim(::csv::Trim::All)
                     .from_reader(line.as_bytes());
                 let mut record = ::csv::StringRecord::new();
-                // a line of text has one record, and it is valid UTF-8
+                // reading does not fail: a line of text is one record of valid UTF-8
                 if reader.read_record(&mut record).unwrap_or(false) {
                     cells.extend(record.iter().map(|cell| Cow::Owned(cell.to_owned())));
                 }

@@ -98,7 +98,7 @@ impl Header {
         Ok(header)
     }
 
-    /// Splits names with a unit in the same cell, where no other cell has the unit.
+    /// Splits names that have a unit in the same cell, for columns without a unit in another cell.
     fn split_units(&mut self) {
         if let Some(columns) = split_together(&self.columns) {
             self.columns = columns;

@@ -119,7 +119,8 @@ impl Names<'_> {
             && numbered.all(|(name, number)| name.parse() == Ok(number))
     }
 
-    /// Returns what the row `cells` directly above the numbers is, and the row above it.
+    /// Returns the lines of names and of units, given the row `cells` directly above the numbers
+    /// and the row `above` it.
     fn directly_above(
         &self,
         line: u64,
@@ -138,7 +139,7 @@ impl Names<'_> {
                 (Some(names), Some(line))
             }
             _ if bracketed => (None, Some(line)),
-            // `Second,Volt`: no name is a unit in full
+            // `Second,Volt`: a row of units written as words is not a row of names
             _ if cells.first().is_some_and(|first| is_time("", first))
                 && filled().all(|cell| is_unit_in_full(cell)) =>
             {

@@ -44,12 +44,12 @@ pub(super) struct Clock {
 }
 
 impl Settings {
-    /// Takes the settings in the cells of a header line. True for a row of names with interval and
-    /// start, or the row below it, which are not a key with its values.
+    /// Stores the settings in the cells of a header line. Returns true for a row of names that also
+    /// has interval and start, and for the row below it: neither is a key with its values.
     pub(super) fn read(&mut self, cells: &[Cow<'_, str>]) -> bool {
         let cut: Vec<Cow<'_, str>>;
         let cells = match cells {
-            // the numbers of a single column do not show how the lines above them are cut
+            // the numbers of a single column do not show which separator the header lines have
             [line] => {
                 let parts = line.split([',', ';', '\t']);
                 cut = parts.map(|part| Cow::Borrowed(bare(part))).collect();
@@ -142,8 +142,8 @@ impl Settings {
         self.replace_names = true;
     }
 
-    /// Returns the sampling interval in `unit`; an interval or a column without a unit are in the
-    /// unit of the other.
+    /// Returns the sampling interval in `unit`; if the interval or `unit` is not a unit of time,
+    /// the number is returned as stated.
     pub(super) fn step_in(&self, unit: &str) -> Option<f64> {
         let (step, own) = self.step.as_ref()?;
         let units = own.as_deref().and_then(of_time).zip(of_time(unit));
@@ -174,7 +174,7 @@ impl Settings {
     }
 
     /// Returns names and units of the `n` columns of a table without a row of names: the channels,
-    /// or times and channels; `None` if the settings do not tell which.
+    /// or times and channels; `None` if `n` fits neither, or if no unit of time is stated.
     pub(super) fn columns(&self, n: usize) -> Option<Vec<(String, String)>> {
         let time = self.time_unit()?.to_owned();
         let n_channels = self.names.len().max(self.units.len()).max(1);
@@ -232,7 +232,7 @@ fn bare(cell: &str) -> &str {
     cell.trim().trim_matches('"').trim()
 }
 
-/// Returns what follows the channel in `CH1:V`.
+/// Returns the text after the channel in `CH1:V`.
 fn of_channel(text: &str) -> &str {
     text.rsplit_once(':').map_or(text, |(_, own)| own)
 }

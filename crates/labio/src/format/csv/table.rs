@@ -59,7 +59,8 @@ impl Shape {
             .map(|(at, _)| at)
             .collect();
         if columns.first().is_some_and(|&at| at > 0) && dialect.name_line.is_none() {
-            // the rows before `first_line`, backwards, as long as they have numbers in all columns
+            // adds the rows above `first_line` that have numbers in all columns, up to the first
+            // that does not
             let above: Vec<(u64, &str)> = text::lines(text)
                 .take_while(|(number, _)| *number < first_line)
                 .collect();

@@ -119,7 +119,7 @@ pub(super) fn split_unit(name: &str) -> (String, String) {
         let head = if bare.is_empty() { head.trim() } else { bare };
         (head.to_owned(), unit.trim().to_owned())
     };
-    // Rigol
+    // as Rigol writes it: `CH1V`
     if let Some(number) = name
         .strip_prefix("CH")
         .and_then(|rest| rest.strip_suffix(['V', 'A']))

@@ -65,7 +65,7 @@ impl Rows {
         Ok(())
     }
 
-    /// The cells of a row; the separator is a tabulator, a comma or a semicolon.
+    /// The cells of a row; the separator is a tab, a comma or a semicolon.
     fn cells<'a>(&self, row: &'a str) -> impl Iterator<Item = &'a str> + use<'a> {
         text::cells(row, u8::try_from(self.separator).unwrap_or(b'\t'))
     }

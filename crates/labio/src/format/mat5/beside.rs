@@ -90,7 +90,7 @@ impl Beside {
             series.abscissa = abscissa;
         }
         if self.units[1].is_some() {
-            // an abscissa with a unit is no sample index, which the reader assumes
+            // the label is that of the sample index, which an abscissa with a unit is not
             series.abscissa_axis.label.clear();
         }
         if let Some(name) = self.name {

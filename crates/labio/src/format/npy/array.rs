@@ -175,7 +175,7 @@ pub(in crate::format) fn member_name(name: &str, shape: &[usize], index: usize) 
     }
 }
 
-/// Returns the default element type for such numbers.
+/// Returns the default element type for the numbers of `ordinate`.
 pub(in crate::format) fn usual_element(ordinate: &Ordinate) -> Element {
     match ordinate {
         Ordinate::Real(_) => Element::F64,
@@ -284,7 +284,7 @@ pub(in crate::format) fn write(series: &[&Series], header: &Header) -> Option<Ve
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "what does not come back as it was is refused"
+    reason = "a number that the conversion changes is refused"
 )]
 fn encode(value: f64, element: Element, to: &mut Vec<u8>) -> Option<()> {
     let kept = |back: f64| {

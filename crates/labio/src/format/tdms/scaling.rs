@@ -402,7 +402,7 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
         ));
     }
     let (result, steps) = steps;
-    // the outcomes for one sample, in the order of the scales
+    // results of the steps for one sample, in the order of the steps
     let mut outcomes = Vec::with_capacity(steps.len());
     let mut output = Vec::with_capacity(n);
     for sample in 0..n {

@@ -9,8 +9,8 @@ type Part = (f64, &'static [f64]);
 pub(super) struct Thermocouple {
     /// Code of the type in files.
     pub(super) code: u32,
-    /// Voltage \[mV\] as a function of the temperature \[degC\] of one junction, with the other at
-    /// 0 degC.
+    /// Voltage \[mV\] as a function of the temperature \[degC\] of one junction, if the other
+    /// junction is at 0 degC.
     voltage: &'static [Part],
     /// Temperature as a function of the voltage.
     temperature: &'static [Part],

@@ -325,7 +325,7 @@ mod tests {
         assert_eq!(text(1.0 / 30_000.0, 0.0).unwrap(), "3.3333333E-5");
         assert_eq!(text(-1.0 / 3e150, 0.0).unwrap(), "-3.3333E-151");
         assert_eq!(text(1.52588e-5, 5e-11).unwrap(), "1.52588E-5");
-        // a half unit that belongs to another number is ignored
+        // a half unit is ignored if the value has digits below it
         assert_eq!(text(1.953125e-5, 5e-11).unwrap(), "1.9531250E-5");
         assert_eq!(text(f64::NAN, 0.0), None);
     }
