@@ -197,13 +197,13 @@ impl Lines {
 /// false alarm, for all pairs together, is at most `level`.
 ///
 /// For each pair and channel, the factor and the delay that bring one hit closest to the other are
-/// found. The difference D of two separate hits is at least the noise of both: on each line
-/// |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an exponential
-/// variable of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the
-/// sampling rate, divided by ln 2. Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n
-/// lines and ν degrees of freedom of the noise. A pair is reported if the statistic is
-/// significantly below a quarter of the noise. The median is insensitive to lines lost by
-/// resampling.
+/// found. The difference D of two separate hits contains at least the noise of both: on each line
+/// |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is distributed as an
+/// exponential variable of mean 1, or larger. The statistic is the median over the lines between
+/// 1/16 and 0.45 of the sampling rate, divided by ln 2. Its logarithm has the variance
+/// 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν degrees of freedom of the noise. A pair is reported
+/// if the statistic is significantly below a quarter of the noise. The median is insensitive to
+/// lines lost by resampling.
 ///
 /// Channels without noise before the hit, such as computed ones, and hits without silence are
 /// skipped.
@@ -365,7 +365,7 @@ fn turns(phase: f64, count: usize) -> Vec<Complex64> {
 #[cfg(test)]
 #[allow(
     clippy::cast_possible_truncation,
-    reason = "single precision is what one of the files has"
+    reason = "one of the files has single precision"
 )]
 mod tests {
     use super::*;

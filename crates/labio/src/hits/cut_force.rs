@@ -1,22 +1,22 @@
-//! Detection of a force that a window of the analyser cuts off before the blow ends.
+//! Detection of a force that a window of the analyser cuts off before the impact ends.
 
 use super::samples_at_rest;
 use crate::quantization::smallest_step;
 use crate::{LabioError, LevelAtRest, Record};
 
-/// Fraction of the peak force above which the blow has not ended.
+/// Fraction of the peak force above which the impact has not ended.
 const OF_BLOW: f64 = 0.02;
-/// Number of standard deviations that noise does not reach within a blow.
+/// Number of standard deviations that noise does not reach during an impact.
 const BEYOND_NOISE: f64 = 5.0;
-/// Number of steps of the converter that a force at rest does not reach.
+/// Number of converter steps that a force at rest does not reach.
 const STEPS: f64 = 3.0;
-/// Smallest number of equal last samples that were set by a window.
+/// Smallest number of equal last samples that counts as the effect of a window.
 const STILL: usize = 8;
-/// Number of times that these samples exceed the longest run of equal samples before the blow, so
-/// that the run is not a coincidence in noise below a step of the converter.
+/// Factor by which the number of equal last samples must exceed the longest run of equal samples
+/// before the impact: noise below a step of the converter also leaves equal samples.
 const LONGER: usize = 4;
 
-/// A force that is cut off before the blow ends.
+/// A force that is cut off before the impact ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutForce {
     /// Index of the hit.
@@ -26,20 +26,20 @@ pub struct CutForce {
 }
 
 /// Returns the `hits` whose `force` ends in a run of eight or more equal samples that begins before
-/// the blow has ended. The cause is a force window of the analyser, which removes a part of the
+/// the impact has ended. The cause is a force window of the analyser, which removes a part of the
 /// spectrum of the force.
 ///
 /// The force $`F`$ is counted from its level at rest, in the direction of its peak
-/// $`F_\mathrm{max}`$. The blow has not ended if all samples from the peak to the run satisfy
+/// $`F_\mathrm{max}`$. The impact has not ended if all samples from the peak to the run satisfy
 ///
 /// ```math
 /// F > \max(0.02\,F_\mathrm{max},\ 5\sigma,\ 3q) ,
 /// ```
 ///
 /// with the noise $`\sigma`$ at rest ([`LevelAtRest`]) and the [`smallest_step`] $`q`$ of the
-/// converter. The run must be one that no force ends in by itself: it is four times longer than
-/// every run of equal samples before the blow, or the last samples $`F_3, F_2, F_1`$ before it
-/// satisfy
+/// converter. In addition, the force cannot have ended in this run by itself: the run is more than
+/// four times as long as every run of equal samples before the impact, or the last samples
+/// $`F_3, F_2, F_1`$ before the run satisfy
 ///
 /// ```math
 /// F_1 > \max(F_2 - F_1,\ 2(F_2 - F_1) - (F_3 - F_2)) + 5\sigma + 4q ,
@@ -49,9 +49,9 @@ pub struct CutForce {
 ///
 /// # Validity
 ///
-/// A window that begins after the blow has ended is not found. A tapered window is found if its
-/// last sample exceeds 2 % of the peak; otherwise the force resembles a shorter blow. Hits in which
-/// the channel is a motion are left out: a motion may stay constant.
+/// A window that begins after the impact has ended is not found. A tapered window is found if its
+/// last sample exceeds 2 % of the peak; otherwise the force resembles a shorter impact. Hits in
+/// which the channel is a motion are left out: a motion may stay constant.
 ///
 /// # Errors
 ///
@@ -96,8 +96,8 @@ pub fn find_cut_forces(hits: &[&Record], force: &str) -> Result<Vec<CutForce>, L
     Ok(found)
 }
 
-/// Returns the last force before a run of equal last samples, relative to the peak, if the blow has
-/// not ended there; `n_rest` is the number of samples at rest before the blow.
+/// Returns the last force before a run of equal last samples, relative to the peak, if the impact
+/// has not ended there; `n_rest` is the number of samples at rest before the impact.
 fn cut_at(samples: &[f64], n_rest: Option<usize>) -> Option<f64> {
     let last = *samples.last()?;
     let length = equal_at_end(samples);
@@ -169,7 +169,7 @@ mod tests {
                 } else {
                     0.0
                 };
-                // no two neighbours are equal
+                // with noise, no two neighbouring samples are equal
                 blow + noise * (f64::from(n) * 1.3).sin()
             })
             .collect()
@@ -189,10 +189,11 @@ mod tests {
             let expected = (PI * 29.0 / 40.0).sin().powi(2);
             let found = cut_at(&windowed(noise, 430, 1), Some(REST)).unwrap();
             assert!((found - expected).abs() < 2.0 * noise + 1e-12, "{found}");
-            // near the end of the blow, 2.4 %: found by the noise that is missing after it
+            // cut at 2.4 % of the peak, near the end of the impact: found only if the record has
+            // noise, because the samples after the cut have none
             let near = cut_at(&windowed(noise, 439, 1), Some(REST));
             assert_eq!(near.is_some(), noise > 0.0, "{near:?}");
-            // after the blow, below the noise and well behind it
+            // windows that end after the impact, where the force is below 2 % of the peak
             for end in [441, 445, 500, 1000] {
                 assert_eq!(cut_at(&windowed(noise, end, 1), Some(REST)), None);
             }
@@ -201,7 +202,7 @@ mod tests {
         }
         // a steep taper whose last sample is far above the noise
         assert!(cut_at(&windowed(3e-4, 434, 4), Some(REST)).is_some());
-        // a window that also sets the samples before the blow to 0
+        // a window that also sets the last samples before the impact to 0
         let mut both = windowed(3e-4, 430, 1);
         both[..390].fill(0.0);
         assert!(cut_at(&both, Some(REST)).is_some());
@@ -210,7 +211,7 @@ mod tests {
         assert_eq!(cut_at(&[1.0; 20], None), None);
     }
 
-    /// Half a sine without noise ends in zeros by itself, with few samples as with many.
+    /// A half sine without noise, of few or many samples, ends in zeros by itself.
     #[test]
     fn a_blow_that_ends_by_itself_is_not_cut() {
         for length in [4, 7, 8, 16, 50] {

@@ -13,12 +13,12 @@ const HARMONICS: [f64; 11] = [
 /// Smallest sampling rate \[Hz\] after decimation. At this rate the block means change the
 /// amplitude of the highest harmonic by 1 %.
 const SLOW_HZ: f64 = 4000.0;
-/// Shortest duration of the record after the blow, in periods of the hum.
+/// Shortest duration of the record after the impact, in periods of the hum.
 const PERIODS: f64 = 4.0;
 /// Smallest amplitude of a hum, relative to the standard error of an amplitude from noise alone.
 const ABOVE_NOISE: f64 = 6.0;
-/// Largest change of a hum between the two halves of the time after the blow, relative to the hum.
-/// The return of a sensor to zero changes by more.
+/// Largest change of a hum between the two halves of the time after the impact, relative to the
+/// hum. The return of a sensor to zero changes by more.
 const STEADY: f64 = 0.5;
 /// Fraction of the spectrum of the force above which hum is reported.
 const LARGE_PART: f64 = 0.2;
@@ -28,14 +28,15 @@ const LARGE_PART: f64 = 0.2;
 pub struct Hum {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Magnitude of the Fourier sum of the hum, divided by that of the whole force there, over all
-    /// hits.
+    /// Magnitude of the Fourier sum of the hum divided by that of the whole force at this
+    /// frequency, both summed over all hits.
     pub part: f64,
 }
 
 /// Returns the harmonics of 50 and 60 Hz, up to the sixth, at which the `force` of the `hits`
-/// continues after the blow, if this hum is more than 20 % of the spectrum of the force there. The
-/// frequency response at this line would be the ratio of two hums, with a high coherence.
+/// continues after the impact, if this hum is more than 20 % of the spectrum of the force at this
+/// frequency. The frequency response on this line would be the ratio of two hums, with a high
+/// coherence.
 ///
 /// The amplitude $`a`$ of the hum is found from N samples in the second half of a hit, an even
 /// number of periods, without their mean:
@@ -52,10 +53,10 @@ pub struct Hum {
 ///
 /// # Validity
 ///
-/// Hits whose force in the second half exceeds a tenth of that in the first, or whose second half
-/// has fewer than four periods, are left out, and hits in which the channel is a motion: a motion
-/// continues after the blow. Records are averaged over blocks down to no less than 4 kHz, which
-/// changes the amplitude of the highest harmonic by 1 %.
+/// Hits are left out if the force in the second half exceeds a tenth of that in the first, if the
+/// second half has fewer than four periods, or if the channel is a motion, which continues after
+/// the impact. Fast records are replaced by block means at 4 kHz or more, which changes the
+/// amplitude of the highest harmonic by 1 %.
 ///
 /// # Errors
 ///
@@ -68,7 +69,7 @@ pub struct Hum {
 /// use labio::{Channel, Provenance, Quantity, Record};
 /// use ndarray::Array2;
 ///
-/// // a blow of 100 N and 2 ms with a hum of 0.6 N at 50 Hz
+/// // an impact of 100 N and 2 ms with a hum of 0.6 N at 50 Hz
 /// let samples = Array2::from_shape_fn((1, 8192), |(_, n)| {
 ///     let omega = 2.0 * std::f64::consts::PI * 50.0 / 8192.0;
 ///     0.6 * (omega * n as f64).sin() + if (800..816).contains(&n) { 100.0 } else { 0.0 }
@@ -127,8 +128,8 @@ fn decimated(samples: Vec<f64>, rate_hz: f64) -> (Vec<f64>, f64) {
 }
 
 /// Returns the amplitude of a vibration at `omega` (in rad per sample) in the second half of a
-/// record. Returns `None` if the blow is not over there, no vibration exceeds the noise, or the
-/// half is too short.
+/// record; `None` if the impact continues into this half, if no steady vibration exceeds the noise,
+/// or if the half is too short.
 fn hum_after_blow(samples: &[f64], omega: f64) -> Option<f64> {
     let half = samples.len() / 2;
     let largest = |range: std::ops::Range<usize>| {
@@ -195,8 +196,8 @@ mod tests {
         assert!(found(Quantity::Acceleration).is_empty());
     }
 
-    /// A blow of 100 N and 2 ms at 8192 Hz, with a hum of 0.6 N at 50 Hz: the Fourier sum of
-    /// the blow at 50 Hz is some 1000 N, that of the hum 0.3 N times 8192 samples.
+    /// An impact of 100 N and 2 ms at 8192 Hz, with a hum of 0.6 N at 50 Hz: the Fourier sum of
+    /// the impact at 50 Hz is some 1000 N, that of the hum 0.3 N times 8192 samples.
     #[test]
     fn hum_is_found_beside_noise_and_not_in_noise_alone() {
         let blow = |n: usize| {

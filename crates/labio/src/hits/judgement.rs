@@ -480,16 +480,18 @@ const BY_CHANCE: f64 = 1e-6;
 /// then have equal samples.
 const DUST: f64 = 1e-9;
 
-/// Noise, in steps, of a record that has no step: no two samples are equal by chance.
+/// Noise, in steps, that is assumed for a record without a step, in which no two samples are equal
+/// by chance.
 const WITHOUT_STEP: f64 = 1e12;
 
-/// Length of a run for which [`BY_CHANCE`] applies at least: two samples are judged by a probability
-/// of 1e-3, because they count only at the extreme.
+/// Smallest length with which a run is compared with [`BY_CHANCE`]: two equal samples are judged
+/// like three, at a probability of 1e-3 per pair, because they count only at the extreme.
 const LEAST_EVIDENT: usize = 3;
 
-/// Probability below which equal neighbours are rare, and the number of pairs of them that is no
-/// evidence of an upsampled record, in which all neighbours are equal.
+/// Probability below which equal neighbours are rare.
 const RARE: f64 = 0.01;
+/// Number of runs of equal samples that, in addition to the rare ones, is not evidence of an
+/// upsampled record, in which most neighbours are equal.
 const FEW_RUNS: f64 = 8.0;
 
 /// Returns the probability that noise of this standard deviation, in steps of the converter, leaves

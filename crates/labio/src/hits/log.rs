@@ -85,7 +85,7 @@ impl Hit {
 /// use ndarray::Array2;
 ///
 /// # fn main() -> Result<(), labio::LabioError> {
-/// // a blow of 100 N, and another of 30 N that came too soon
+/// // a contact of 100 N and, in the same record, a second contact of 30 N
 /// let blow = |t: f64| if (0.0..0.002).contains(&t) { (t * 500.0 * 3.14159).sin() } else { 0.0 };
 /// let force = Array2::from_shape_fn((1, 1000), |(_, k)| {
 ///     let t = k as f64 / 10_000.0;
@@ -98,7 +98,7 @@ impl Hit {
 /// assert!(matches!(log.hits()[0].reasons(), [Reason::DoubleHit { .. }]));
 /// assert_eq!(log.accepted().count(), 0);
 ///
-/// log.accept(1, "the specimen bounces, and both blows are in the record")?;
+/// log.accept(1, "the specimen bounces, and both contacts are in the record")?;
 /// assert_eq!(log.accepted().count(), 1);
 /// # Ok(())
 /// # }

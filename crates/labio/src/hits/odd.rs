@@ -64,10 +64,10 @@ struct Odd {
 ///
 /// - the gain $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, with a limit from
 ///   Student's distribution of the gains of the others at a level of 0.1 % for all hits together;
-/// - the energy of $`Y_j - gP`$, which must exceed such a limit and nine times the largest energy
-///   of the others;
-/// - the largest sample of $`Y_j - gP`$, which must exceed such a limit and twice the largest of
-///   the others.
+/// - the energy of $`Y_j - gP`$, which must exceed a limit found in the same way and nine times the
+///   largest energy of the others;
+/// - the largest sample of $`Y_j - gP`$, which must exceed a limit found in the same way and twice
+///   the largest sample of the others.
 ///
 /// A departure below half a per cent is ignored. A departure whose energy grows with the square of
 /// the impact does not count against the harder hit. A hit that was found is excluded from the
@@ -207,7 +207,7 @@ pub(super) fn beyond_student(t: f64, degrees: usize) -> f64 {
     let angle = (t / (degrees as f64).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();
     let odd = degrees % 2 == 1;
-    // powers of the cosine from 0 or 1 on, below the number of degrees
+    // even or odd powers of the cosine, below the number of degrees of freedom
     let first = usize::from(odd);
     let (mut sum, mut term) = (0.0, if odd { cosine } else { 1.0 });
     for power in (first..degrees.max(1) - first).step_by(2) {

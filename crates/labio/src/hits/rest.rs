@@ -42,7 +42,7 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a part of a number of samples"
+        reason = "a fraction of a number of samples"
     )]
     let part = |onset: usize| (PART_AT_REST * onset as f64) as usize;
     Ok(least.map(part).filter(|n| *n >= FEWEST_AT_REST))
@@ -78,7 +78,7 @@ pub fn padded(hit: &Record, n_samples: usize) -> Result<Record, LabioError> {
         let n_tail = samples.len().div_ceil(TAIL);
         let tail = samples.iter().rev().take(n_tail);
         let square = tail.map(|x| (x - level).powi(2)).sum::<f64>() / n_tail as f64;
-        // the noise of the tail, and as much again
+        // twice the power of the noise, and a thousandth of the peak
         if square > 2.0 * noise * noise + (MOST_LEFT * peak).powi(2) {
             return Err(LabioError::NotAtRest {
                 channel: channel.to_owned(),
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn the_onset_is_found_on_an_offset_and_on_either_slope() {
-        // steepest on its falling side
+        // a pulse that is steepest on its falling side
         let mut pulse = vec![40.0; 100];
         for (k, x) in [1.0, 3.0, 6.0, 10.0, 1.0].into_iter().enumerate() {
             pulse[30 + k] += x;
@@ -203,8 +203,8 @@ mod tests {
 
     #[test]
     fn r17_the_onset_is_the_first_passage_and_not_the_steepest() {
-        // a slow wave of 0.3, followed by a fast one of -1, and the flicker of a converter's last
-        // digit
+        // a slow wave of 0.3, followed by a fast wave of -1; the last digit of the converter
+        // flickers
         let mut wave: Vec<f64> = (0..4000)
             .map(|k| if k % 7 == 0 { 0.004 } else { 0.0 })
             .collect();
@@ -217,13 +217,13 @@ mod tests {
         // the sine passes a fiftieth of the peak where it is 0.067
         let onset = onset_of(&wave, PASSAGE_OVER_PEAK);
         assert!((1008..1016).contains(&onset), "{onset}");
-        // and a tenth where it is 0.33
+        // the sine passes a tenth of the peak where it is 0.33
         let onset = onset_of(&wave, HIT_OVER_PEAK);
         assert!((1055..1067).contains(&onset), "{onset}");
     }
 
-    /// A hit of 200 samples at a level of 3, with a blow from sample 100 on; afterwards the channel
-    /// stays `left` above its level.
+    /// A hit of 200 samples: a level of 3, an impact of 50 above this level in samples 100 to 109,
+    /// and then a constant force of `left` above the level.
     fn hit(left: f64) -> Record {
         let mut samples = ndarray::Array2::from_elem((1, 200), 3.0);
         for (k, x) in samples.iter_mut().enumerate().skip(100) {
@@ -242,7 +242,7 @@ mod tests {
             samples[200..].iter().all(|x| (x - 3.0).abs() <= 0.0),
             "{samples:?}"
         );
-        // a thousandth of the blow of 50 is allowed
+        // at most a thousandth of the peak of 50 may remain
         assert!(padded(&hit(0.049), 260).is_ok());
         let error = padded(&hit(0.051), 260).unwrap_err();
         assert!(
@@ -259,7 +259,8 @@ mod tests {
         assert_eq!((found, expected), (199, 200));
     }
 
-    /// The blow begins at sample 20: three quarters of 20 are 15 samples, too few for a level.
+    /// The second record begins 20 samples before the impact: three quarters of 20 are 15 samples,
+    /// too few for a level.
     #[test]
     fn a_level_needs_sixteen_samples_before_the_blow() {
         let record = hit(0.0);

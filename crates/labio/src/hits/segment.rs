@@ -35,7 +35,7 @@ const BLOCK: usize = 8192;
 /// use ndarray::Array2;
 ///
 /// # fn main() -> Result<(), labio::LabioError> {
-/// // a blow every second, for three seconds
+/// // an impact every second, for three seconds
 /// let force = Array2::from_shape_fn((1, 3000), |(_, k)| match k % 1000 {
 ///     500 => 40.0,
 ///     501 => 80.0,
@@ -291,7 +291,7 @@ impl Cutter {
                 let shape = (self.buffers.len(), range.len());
                 #[allow(
                     clippy::indexing_slicing,
-                    reason = "there is a buffer for each channel; the range ends with what was fed, and `forget` keeps all from its start"
+                    reason = "there is a buffer for each channel; the range ends within the samples that were fed, and `forget` keeps all samples from its start on"
                 )]
                 let samples =
                     Array2::from_shape_fn(shape, |(channel, k)| self.buffers[channel][offset + k]);

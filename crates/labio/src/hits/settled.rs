@@ -20,7 +20,7 @@ const NEIGHBOURS: usize = 4;
 const LEVEL: f64 = 0.01;
 
 /// Returns the number of samples, a power of two, after which no motion is left in `channels` of
-/// any of `hits`; `None` if it is more than a quarter of the shortest hit.
+/// any of `hits`; `None` if this number is more than a quarter of the shortest hit.
 ///
 /// The motion has ended after $`n`$ samples if the peaks of all channels lie within them, and if no
 /// line of the next $`n`$ samples exceeds the noise in the second half of the hit (false alarms: at
@@ -66,8 +66,8 @@ fn peak_of(samples: ArrayView1<'_, f64>) -> usize {
     largest.map_or(0, |(index, _)| index)
 }
 
-/// Returns true if a line of the samples from `n` to `2n` stands out of the noise in the second
-/// half; the probability of a false alarm over `n_tests` lines is [`LEVEL`].
+/// Returns true if a line of the samples from `n` to `2n` exceeds the noise in the second half of
+/// the record; the probability of a false alarm over `n_tests` lines is [`LEVEL`].
 fn moves(samples: ArrayView1<'_, f64>, n: usize, n_tests: usize) -> bool {
     let mut spectrum = Spectrum::new(n);
     let n_segments = (samples.len() / 2 / n).min(MOST_SEGMENTS);
@@ -81,7 +81,8 @@ fn moves(samples: ArrayView1<'_, f64>, n: usize, n_tests: usize) -> bool {
     }
     let averaged = noise.windows(2 * NEIGHBOURS + 1);
     let count = ((2 * NEIGHBOURS + 1) * n_segments) as f64;
-    // the ratio of the power of a line to the mean of m others exceeds r by (1 + r/m)^-m
+    // the ratio of the power of a line to the mean of m others exceeds r with the probability
+    // (1 + r/m)^-m
     let limit = count * ((LEVEL / n_tests as f64).powf(-1.0 / count) - 1.0);
     let next = spectrum.powers(part(&samples, n..2 * n));
     let mut lines = next.skip(NEIGHBOURS).zip(averaged);
@@ -92,7 +93,7 @@ fn part<'a>(samples: &'a ArrayView1<'_, f64>, range: Range<usize>) -> ArrayView1
     samples.slice_axis(Axis(0), Slice::from(range))
 }
 
-/// The power of all lines of segments of one length, without their mean.
+/// Computes the powers of the lines of segments of one length, whose means are removed.
 struct Spectrum {
     dft: Dft,
     lines: Vec<Complex64>,
@@ -125,8 +126,8 @@ mod tests {
 
     const RATE: f64 = 10e3;
 
-    /// A ringing of 400 Hz from sample 200 on with this time constant, in noise of a thousandth of
-    /// its peak and hum of the same amplitude.
+    /// A ringing of 400 Hz with this time constant from sample 200 on, with noise and hum of a
+    /// thousandth of its peak.
     fn hit(time_constant: f64, n_samples: usize, seed: u64) -> Record {
         let mut noise = Noise::seeded(seed);
         let samples = (0..n_samples).map(|n| {
@@ -144,8 +145,8 @@ mod tests {
         samples_of_motion(&[&hit], &["a"]).unwrap()
     }
 
-    /// The power that is cut off is less than a tenth of that of the noise on the line of the
-    /// ringing; and the end of the motion is found in spite of the hum.
+    /// The power of the ringing that is cut off is less than a tenth of the power of the noise on
+    /// its line, and hum does not delay the end of the motion.
     #[test]
     fn what_is_left_out_is_below_the_noise_of_its_line() {
         for seed in 0..20 {
@@ -153,7 +154,7 @@ mod tests {
             let n = found(time_constant, 65_536, seed).unwrap();
             assert!(n.is_power_of_two());
             let since = n as f64 / RATE - 0.02;
-            // the sum of the ringing from there on, and of the noise until there
+            // sums of the ringing after sample n, and of the noise before it
             let left = (-since / time_constant).exp() * time_constant * RATE / 2.0;
             let noise = 1e-3 * (n as f64).sqrt();
             assert!(left < 0.3 * noise, "{seed}: {n}");

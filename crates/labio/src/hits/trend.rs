@@ -1,23 +1,23 @@
-//! Changes of the response from hit to hit: with the strength of the blow, or from the first half
-//! of the hits to the second.
+//! Changes of the response from hit to hit: with the peak of the input, or from the first half of
+//! the hits to the second.
 
 use num_complex::Complex64;
 
 use super::hit_spectra::{HitSpectra, Lines};
 use super::odd::beyond_student;
 
-/// Fewest hits for a change with the strength of the blow.
+/// Fewest hits for a change with the peak of the input.
 const FEWEST_HITS: usize = 5;
-/// Smallest ratio of the largest to the smallest blow.
+/// Smallest ratio of the largest to the smallest peak of the input.
 const LEAST_RANGE: f64 = 1.2;
-/// Probability of a change with the strength of the blow by chance.
+/// Probability of finding a change with the peak of the input by chance.
 const LEVEL: f64 = 1e-4;
-/// Probability of a change between halves by chance.
+/// Probability of finding a change between the halves by chance.
 const LEVEL_OF_HALVES: f64 = 1e-3;
 /// Smallest change relative to the response.
 const LEAST_CHANGE: f64 = 0.005;
-/// Smallest ratio, divided by the number of hits, of the variance between halves to that within
-/// them: three times the greatest ratio by a uniform drift.
+/// Smallest ratio of the variance between the halves to the variance within them, divided by the
+/// number of hits: three times the greatest ratio that a uniform drift causes.
 const STEP_OVER_DRIFT: f64 = 9.0;
 
 /// A systematic difference between hits in the response to `input`.
@@ -27,7 +27,8 @@ pub enum Trend {
     Gain {
         /// Name of the output.
         channel: String,
-        /// Change of the gain from the smallest to the largest blow, relative to its mean.
+        /// Change of the gain from the smallest to the largest peak of the input, relative to the
+        /// mean gain.
         change: f64,
     },
     /// The response differs between the first and the second half of the hits.
@@ -50,10 +51,10 @@ pub enum Trend {
 ///
 /// The responses $`H_1`$, $`H_2`$ of both halves of the hits, in their order, are compared by the
 /// ratio of $`\sum\lvert H_1-H_2\rvert^2 w_1w_2/(w_1+w_2)`$, with the energies $`w`$ of the input
-/// on a line, to the mean square of the hits about the response of their half. It is tested as one
-/// variance over `n - 2`, because a cause common to all lines is a single variable, at a level of
-/// 0.1 %. It must also exceed nine times the number of hits: a uniform drift gives up to three
-/// times this number.
+/// on a line, to the mean square of the departures of the hits from the response of their half. The
+/// ratio is tested at a level of 0.1 % as a variance with one degree of freedom over one with
+/// `n - 2`, because a cause common to all lines is a single variable. It must also exceed nine
+/// times the number of hits: a uniform drift gives up to three times this number.
 ///
 /// Changes below half a per cent are ignored, and nothing is found in fewer than four hits.
 #[must_use]
@@ -183,8 +184,9 @@ mod tests {
 
     const N: usize = 2048;
 
-    /// Eight hits of a mode, with blows in no order and noise of 1e-4. `input` is the recorded
-    /// force of a force; `pole` is the angle of the mode per sample in this hit.
+    /// Trends in eight hits of a body with one mode, with peaks of the force in irregular order and
+    /// noise of 1e-4. `input` gives the recorded force for the true force, `pole` the angle of the
+    /// mode per sample for the index of a hit.
     fn found(seed: u64, input: impl Fn(f64) -> f64, pole: impl Fn(usize) -> f64) -> Vec<Trend> {
         let mut rng = Noise::seeded(seed);
         let blows = [1.0, 1.3, 0.9, 1.2, 1.35, 0.95, 1.1, 1.25];
@@ -222,7 +224,7 @@ mod tests {
     fn a_saturated_force_and_another_body_are_found_and_right_hits_are_not() {
         for seed in 0..20 {
             assert_eq!(found(seed, |f| f, |_| 0.3), []);
-            // a uniform drift is no second body
+            // a uniform drift is not a difference between the halves
             assert_eq!(found(seed, |f| f, |hit| 0.3 + 1e-3 * hit as f64), []);
         }
         // the gain is 1 / (1 - 0.02 f²) or less: up to 1.2 % from 0.9 to 1.35 N

@@ -1,4 +1,4 @@
-//! Detection of a force that does not return to zero after the blow.
+//! Detection of a force that does not return to zero after the impact.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -8,49 +8,50 @@ use num_complex::Complex64;
 use crate::error::check_positive;
 use crate::{LabioError, Record};
 
-/// Fraction of the peak force above which a sample belongs to the blow.
+/// Fraction of the peak force above which a sample belongs to the impact.
 const OF_BLOW: f64 = 0.05;
-/// Minimum number of samples at rest before a blow.
+/// Minimum number of samples at rest before an impact.
 const FEWEST_AT_REST: usize = 16;
 /// Largest tolerated relative error of a line.
 const TOLERATED: f64 = 0.02;
 /// Smallest ratio of the mean error over the hits to its standard error at which the error counts
-/// as alike in all hits.
+/// as common to all hits.
 const ABOVE_CHANCE: f64 = 4.0;
 /// Lowest line that is used if no band is stated, as a multiple of the line spacing.
 const LOWEST_LINE: f64 = 4.0;
 
-/// Error of the spectrum of a force that does not return to zero after the blow.
+/// Error of the spectrum of a force that does not return to zero after the impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Undershoot {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Spectrum of the force after the blow divided by that of the blow, mean of the hits.
+    /// Spectrum of the force after the impact divided by that of the impact; mean over the hits.
     pub ratio: Complex64,
     /// Standard error of the mean.
     pub standard_error: f64,
 }
 
 /// Returns the error of the spectrum of the `force` at `from_hz`, the lowest frequency that is used
-/// (`None` for four lines of the longest hit), if it is above 2 % and alike in all `hits`. The true
-/// force is zero after the blow; the cause of the error is the undershoot of an AC coupling, or a
-/// drift of the sensor. It falls with frequency.
+/// (`None` for four lines of the longest hit), if the error is above 2 % and common to all `hits`.
+/// The true force is zero after the impact; the cause of the error is the undershoot of an AC
+/// coupling, or a drift of the sensor. The error falls with frequency.
 ///
-/// The blow reaches from the sample $`b`$ to $`e`$; it is the time about the peak in which the
-/// force exceeds 5 % of it, with a margin of the same length on both sides. With the mean
-/// $`F_0`$ of the samples before the blow, the error of one hit is
+/// The impact lasts from sample $`b`$ to sample $`e`$: the time about the peak in which the force
+/// exceeds 5 % of the peak, with a margin of the same length on both sides. With the mean $`F_0`$
+/// of the samples before the impact, the error of one hit is
 ///
 /// ```math
 /// r = \frac{\sum_{n \ge e} (F_n - F_0)\,e^{-i\omega n}}
 /// {\sum_{b \le n < e} (F_n - F_0)\,e^{-i\omega n}} .
 /// ```
 ///
-/// It is alike in all hits if the mean of $`r`$ exceeds four of its standard errors.
+/// The error is common to all hits if the mean of $`r`$ exceeds four of its standard errors.
 ///
 /// # Validity
 ///
-/// Three hits or more, with 16 samples or more before the blow: other hits are left out. Without
-/// enough hits, or if the channel is a motion, which continues after the blow, nothing is found.
+/// Three hits or more are needed; hits with fewer than 16 samples before the impact are left out.
+/// With fewer hits, or if the channel is a motion, which continues after the impact, nothing is
+/// found.
 ///
 /// # Errors
 ///
@@ -63,7 +64,7 @@ pub struct Undershoot {
 /// use labio::{Channel, Provenance, Quantity, Record};
 /// use ndarray::Array2;
 ///
-/// // after a blow of 10 samples the force is -1 % of its peak, and returns within 100 samples
+/// // after an impact of 10 samples the force is -1 % of its peak, and returns within 100 samples
 /// let samples = Array2::from_shape_fn((1, 1000), |(_, n)| match n {
 ///     100..110 => 1.0,
 ///     110.. => -0.01 * (-(n as f64 - 110.0) / 100.0).exp(),
@@ -72,7 +73,7 @@ pub struct Undershoot {
 /// let channels = vec![Channel::new("hammer", Quantity::Force)?];
 /// let hit = Record::new(samples, 1e4, 0.0, channels, Provenance::computed("example"))?;
 /// let found = find_undershoot(&[&hit; 3], "hammer", Some(10.0))?.expect("an undershoot");
-/// // 0.01 · 100/10 / |1 + iω · 10 ms|, without the first 10 samples, which are part of the blow
+/// // 0.01 · 100/10 / |1 + iω · 10 ms|, without the first 10 samples, which are part of the impact
 /// assert!((found.ratio.norm() - 0.077).abs() < 0.003);
 /// # Ok::<(), labio::LabioError>(())
 /// ```
@@ -108,10 +109,10 @@ pub fn find_undershoot(
 }
 
 /// Returns r at `omega` (in rad per sample); `None` if there are fewer than `FEWEST_AT_REST`
-/// samples at rest before the blow.
+/// samples at rest before the impact.
 fn ratio(samples: &[f64], omega: f64) -> Option<Complex64> {
     let (first, end) = extent(samples)?;
-    // margin before and after the blow, for the transients of a filter
+    // margin before and after the impact, for the transients of a filter
     let beside = end - first;
     let before = first.saturating_sub(beside);
     if before < FEWEST_AT_REST {
@@ -130,7 +131,7 @@ fn ratio(samples: &[f64], omega: f64) -> Option<Complex64> {
     (blow.norm() > 0.0).then(|| sum(over..samples.len()) / blow)
 }
 
-/// Returns the first sample of the blow, and the first sample after the blow.
+/// Returns the first sample of the impact, and the first sample after the impact.
 fn extent(samples: &[f64]) -> Option<(usize, usize)> {
     let magnitudes = samples.iter().map(|x| x.abs()).enumerate();
     let (at, peak) = magnitudes.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
@@ -173,7 +174,7 @@ mod tests {
             .collect();
         let found = ratio(&coupled, omega).unwrap();
         let expected = -(1.0 / (1.0 + Complex64::new(0.0, 4.0)));
-        // the test counts the first 0.7 ms of the undershoot as part of the blow, an error of 2 %
+        // the first 0.7 ms of the undershoot count as part of the impact, an error of 2 %
         assert!((found - expected).norm() < 0.03, "{found}");
         assert_eq!(ratio(&coupled[795..], omega), None);
     }

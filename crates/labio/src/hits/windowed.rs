@@ -1,4 +1,4 @@
-//! Noise that falls within the records: a window that the analyser has applied.
+//! Detection of noise that falls within the records, because the analyser has applied a window.
 
 use ndarray::ArrayView1;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -7,57 +7,58 @@ use super::rest::samples_at_rest;
 use crate::quantization::smallest_step;
 use crate::{LabioError, Record};
 
-/// Fewest samples of either part of a hit.
+/// Fewest samples in the part before the impact, and in the part at the end of a hit.
 const FEWEST_SAMPLES: usize = 32;
-/// Largest fraction of a hit that is its end.
+/// Number of equal parts of a hit; the end is at most one of them.
 const END: usize = 8;
 /// Sum of the squares of the coefficients of a fourth difference: the variance of white noise is
 /// multiplied by it.
 const GAIN: f64 = 70.0;
 /// Number of lags over which the differences are correlated.
 const LAGS: usize = 16;
-/// Number of equal last samples that were not recorded: a hit continued at its level, or a force
-/// set to 0 after the blow.
+/// Number of equal last samples from which they count as not recorded: the hit was continued at its
+/// level, or a force was set to 0 after the impact.
 const STILL: usize = 4;
-/// Smallest noise in steps of the converter, whose rounding is then independent of the level.
+/// Smallest noise, in steps of the converter, at which the rounding does not depend on the level.
 const LEAST_STEPS: f64 = 0.5;
 /// Smallest noise relative to the largest sample, above the rounding of single precision.
 const FINEST: f64 = 2e-7;
-/// Largest ratio of the variances at which the noise counts as falling.
+/// Ratio of the variances below which the noise counts as falling.
 const LARGEST_RATIO: f64 = 0.8;
 /// Probability of a smaller ratio by chance.
 const LEVEL: f64 = 1e-4;
 
-/// Noise of a channel that is smaller at the end of the records than before the blows.
+/// Noise of a channel that is smaller at the end of the records than before the impacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FallingNoise {
     /// Name of the channel.
     pub channel: String,
-    /// Standard deviation before the blows, of white noise with the same fourth differences.
+    /// Standard deviation before the impacts, of white noise with the same mean square of fourth
+    /// differences.
     pub before: f64,
-    /// Standard deviation at the end of the records, likewise.
+    /// Standard deviation at the end of the records, defined in the same way.
     pub after: f64,
-    /// Decay rate of an exponential window under which the noise falls alike \[1/s\].
+    /// Decay rate of an exponential window under which the noise falls by the same factor \[1/s\].
     pub decay_rate: f64,
 }
 
-/// Returns the `channels` whose noise at the end of the `hits` is smaller than before the blows: a
-/// window was applied to the records.
+/// Returns the `channels` whose noise at the end of the `hits` is smaller than before the impacts,
+/// because a window was applied to the records.
 ///
 /// Fourth differences of the samples contain the noise at high frequencies, and hardly any
-/// of a motion. Their mean squares in the second half of the rest before the blow and in an equally
-/// long part at the end, over all hits, are compared by an F test. The degrees of freedom of $`n`$
-/// differences with the correlations $`r_k`$ are $`n/(1 + 2\sum r_k^2)`$. The noise falls if the
-/// ratio is below 0.8 and a smaller one is less probable than 1e-4. Among three hits or more, the
-/// one with the greatest noise before the blow is left out, because a single disturbance may cause
-/// it.
+/// of a motion. Their mean squares in the second half of the rest before the impact and in an
+/// equally long part at the end, over all hits, are compared by an F test. The degrees of freedom
+/// of $`n`$ differences with the correlations $`r_k`$ are $`n/(1 + 2\sum r_k^2)`$. The noise falls
+/// if the ratio of the mean square at the end to that before the impact is below 0.8, and the
+/// probability of a smaller ratio by chance is below 1e-4. Of three hits or more, the hit with the
+/// greatest noise before the impact is left out, because a single disturbance may cause it.
 ///
 /// # Validity
 ///
-/// The noise must be stationary without the window. A motion at the end makes the end louder and
-/// can only hide a window. Hits whose noise is below half a step of the converter at either end,
-/// hits with fewer than 64 samples at rest before the blow, and hits with constant last samples are
-/// left out.
+/// The noise must be stationary without the window. A motion at the end increases the differences
+/// there and can only hide a window. Hits whose noise is below half a step of the converter before
+/// the impact or at the end, hits with fewer than 64 samples at rest before the impact, and hits
+/// with constant last samples are left out.
 ///
 /// # Errors
 ///
@@ -102,7 +103,8 @@ pub fn find_falling_noise(
     Ok(found)
 }
 
-/// Returns the variances before the blows and at the ends, if the second is significantly smaller.
+/// Returns the variances before the impacts and at the ends, if the second is significantly
+/// smaller.
 fn falls(mut pairs: Vec<(Noise, Noise)>) -> Option<(f64, f64)> {
     if pairs.len() > 2 {
         let variances = pairs.iter().map(|(before, _)| before.variance());
@@ -120,10 +122,10 @@ fn falls(mut pairs: Vec<(Noise, Noise)>) -> Option<(f64, f64)> {
     is_falling.then(|| (before.variance(), after.variance()))
 }
 
-/// Sums of the products of differences.
+/// Sums from which the variance of the noise and its degrees of freedom are computed.
 struct Noise {
     n_differences: f64,
-    /// Sums of the products at the lags from 0 on.
+    /// Sums of the products of two differences, by their lag from 0 on.
     products: [f64; LAGS + 1],
 }
 
@@ -155,8 +157,9 @@ struct Work {
 }
 
 impl Work {
-    /// Returns the noise of `n_samples` samples from the sample `first` on; `None` if it is below
-    /// that of the converter or of the numbers, or if the last samples are equal.
+    /// Returns the noise of `n_samples` samples from the sample `first` on; `None` if the noise is
+    /// too small for the step of the converter or the precision of the numbers, or if the last
+    /// samples are equal.
     fn noise(
         &mut self,
         samples: ArrayView1<'_, f64>,
@@ -200,8 +203,9 @@ mod tests {
     const N: usize = 4096;
     const RATE_HZ: f64 = 20_000.0;
 
-    /// Five hits of a blow at sample 400 and a ringing of 1 kHz and 2 ms, with noise of a standard
-    /// deviation of 0.01; `change` acts on the sample with this index.
+    /// Result for five hits with an impact at sample 400, a ringing of 1 kHz with a time constant
+    /// of 2 ms, and noise with a standard deviation of 0.01; `change` returns the recorded sample
+    /// for an index and a true sample.
     fn found(seed: u64, change: impl Fn(usize, f64) -> f64) -> Vec<FallingNoise> {
         let mut rng = Noise::seeded(seed);
         let hits: Vec<Record> = (0..5)
@@ -228,11 +232,11 @@ mod tests {
         let t = |n: usize| n as f64 / RATE_HZ;
         for seed in 0..50 {
             assert_eq!(found(seed, |_, x| x), []);
-            // steps of a converter of 1.5 standard deviations, and of 10
+            // a converter with steps of 1.5 or 10 standard deviations of the noise
             for step in [0.015, 0.1] {
                 assert_eq!(found(seed, |_, x| (x / step).round() * step), []);
             }
-            // a motion that goes on at high frequency
+            // a motion at half the sampling rate that does not decay
             let sign = |n: usize| if n.is_multiple_of(2) { 0.02 } else { -0.02 };
             assert_eq!(
                 found(seed, |n, x| if n < 400 { x } else { x + sign(n) }),
@@ -244,8 +248,8 @@ mod tests {
         let [window] = &found(1, |n, x| x * (-t(n) / 0.1).exp())[..] else {
             panic!("an exponential window is not found");
         };
-        // 4 x 146 differences have 215 degrees of freedom: an error of 5 % of a deviation, 7 % of
-        // the ratio and 0.4 1/s of the decay
+        // 4 x 146 differences have 215 degrees of freedom: standard errors of 5 % of a standard
+        // deviation, 7 % of the ratio and 0.4 1/s of the decay rate
         assert!((window.after / window.before - (-1.9_f64).exp()).abs() < 0.25 * 0.15);
         assert!((window.decay_rate - 10.0).abs() < 1.2, "{window:?}");
         assert!((window.before - 0.0089).abs() < 0.0015, "{window:?}");
