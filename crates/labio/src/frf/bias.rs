@@ -74,7 +74,7 @@ impl Bias {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "the response was made of these spectra and has their lines, as the noise of a channel has"
+    reason = "the response was computed from these spectra and has the same lines, and so has the noise of a channel"
 )]
 impl AveragedSpectra {
     /// Sets the bias of a response that is caused by the noise of its channels at rest, and removes

@@ -116,9 +116,10 @@ impl FrequencyResponse {
     /// the two responses has no value.
     ///
     /// The correlation functions from segments of duration T under a window w are the true ones
-    /// times the lag window $`r_w(\tau) = \int w(t)w(t+\tau)\,dt`$, normalised to $`r_w(0) = 1`$,
-    /// and so is the impulse response: $`H_1`$ is H smoothed over a line. To leading order the
-    /// error is $`c H''/T^2`$, a third of the difference from the response of half the length,
+    /// multiplied by the lag window $`r_w(\tau) = \int w(t)w(t+\tau)\,dt`$, normalised to
+    /// $`r_w(0) = 1`$. The impulse response is multiplied by the same window, so that $`H_1`$ is H
+    /// smoothed over a line. To leading order the error is $`c H''/T^2`$, a third of the difference
+    /// from the response of half the length,
     ///
     /// ```math
     /// \epsilon = \frac{1}{3\lvert H\rvert}\sqrt{\max\bigl(\lvert H_T - H_{T/2}\rvert^2 - \mathrm{Var}\,H_T,\,0\bigr)}
@@ -169,7 +170,7 @@ impl FrequencyResponse {
             .collect())
     }
 
-    /// Returns the coherence of each line, NaN without one.
+    /// Returns the coherence of each line; NaN for a response without coherence.
     fn coherences(&self) -> impl Iterator<Item = f64> + '_ {
         let known = self.coherence.iter().flatten().copied();
         known.chain(std::iter::repeat(f64::NAN))
@@ -227,7 +228,7 @@ mod tests {
             assert!((figure - expected).abs() < 1e-14, "{found:?}");
         }
         assert!(!found.is_beyond_errors());
-        // exactly at both limits, and above each
+        // both numbers exactly at their limits, then each of them above its limit
         let at = |median: f64, errors_of_a_tenth: f64| Departure {
             median,
             errors_of_a_tenth,
@@ -245,14 +246,14 @@ mod tests {
         let mut two = response(&[2.0; 12], 1.0);
         one.validity[0] = LineValidity::NotDefined;
         if let Some(coherence) = &mut two.coherence {
-            // the limit itself does not count
+            // lines 1 to 3 are not compared: a coherence of 0.9 is not above the limit
             (coherence[1], coherence[2], coherence[3]) = (0.9, 0.5, f64::NAN);
         }
-        // a window that cuts off part of the input
+        // low coherence on all lines, as under a window that cuts off part of the input
         one.coherence = Some(vec![0.2; 12]);
         let found = one.departure_from(&two).unwrap().unwrap();
         assert!((found.median - 0.5).abs() < 1e-15);
-        // eight lines are left; with one line less there is no comparison
+        // eight lines are compared; with one line fewer there is no comparison
         one.validity[11] = LineValidity::NotDefined;
         assert_eq!(one.departure_from(&two).unwrap(), None);
         one.variance = None;

@@ -333,8 +333,8 @@ mod tests {
         assert_eq!(given.kind().unwrap(), ResponseKind::Mobility);
         let pairs = given.variance.as_ref().unwrap().iter();
         for (found, expected) in pairs.zip(measured.variance.as_ref().unwrap()) {
-            // 1 - c loses digits where c is near 1: a rounding error of c divided by 1 - c, which
-            // is above 1e-3 here
+            // 1 - c loses digits where c is near 1: the error is the rounding error of c divided by
+            // 1 - c, which is above 1e-3 here
             assert!((found / expected - 1.0).abs() < 1e-12);
         }
         let (there, here) = (
@@ -437,7 +437,7 @@ mod tests {
                 Err(error) => Err(error),
             }
         });
-        // faults of the old coherence or variance disappear when it is replaced
+        // a coherence or variance of the wrong length is replaced; the other lists are not
         assert_eq!(
             coherence.map(|answer| answer.map_err(|error| error.to_string())),
             [
@@ -486,8 +486,8 @@ mod tests {
         assert!(of(&[2.0; 3]).with_coherence(vec![1.0; 3], 1).is_err());
     }
 
-    /// Welch and Satterthwaite: a quarter of the variance has ten degrees of freedom, the rest is
-    /// known. A variance of 0 by chance is not taken as known.
+    /// Degrees of freedom (Welch and Satterthwaite) where a quarter of the variance has ten and the
+    /// rest is known. A random variance that is 0 by chance does not make the sum a known variance.
     #[test]
     fn a_known_variance_adds_degrees_of_freedom() {
         let random = of(&[2.0; 3]).with_variance(vec![0.04, 0.0, 0.04]).unwrap();

@@ -90,7 +90,7 @@ fn empty_lines_are_flagged_with_their_reason() {
             .all(|v| *v == LineValidity::NoOutput)
     );
     assert!(response.values.iter().all(|value| value.is_nan()));
-    // two hits of opposite sign in the output only: the cross-spectrum cancels
+    // two hits whose outputs have opposite signs: their cross-spectra cancel
     let minus: Vec<f64> = pulse.iter().map(|x| -x).collect();
     let hits = [hit(&pulse, &pulse), hit(&pulse, &minus)];
     let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
@@ -103,8 +103,8 @@ fn empty_lines_are_flagged_with_their_reason() {
             .iter()
             .all(|e| e.magnitude.is_infinite())
     );
-    // nothing in common means a coherence of 0: the relative error of H1 is then -1 if the noise is
-    // on the input, and 0 if it is on the output
+    // for a coherence of 0, the relative error of H1 is -1 if the noise is on the input, and 0 if
+    // it is on the output
     for bias in h1.bias().unwrap() {
         assert!((bias.input_noise + 1.0).abs() < 1e-15 && bias.output_noise.abs() < 1e-15);
         assert!(bias.scatter.is_infinite());
@@ -162,8 +162,8 @@ fn the_coherence_does_not_depend_on_the_units() {
     };
     let as_it_is = coherence(0, 0);
     assert!(as_it_is.iter().all(|c| (0.0..1.0).contains(c)));
-    // Powers of two change no digit; the square of a cross-spectrum at these levels has an exponent
-    // of 1600.
+    // factors that are powers of two change no digit; the square of a cross-spectrum at these
+    // levels has a binary exponent of 1600
     for (input, output) in [(400, 400), (-400, -400), (400, -400), (-380, 400)] {
         assert_eq!(coherence(input, output), as_it_is, "2^{input}, 2^{output}");
     }
@@ -210,8 +210,8 @@ const STUDENT: [(usize, f64, f64); 4] = [
     (30, 1.009, 2.002),
 ];
 
-/// Spectra of `n_hits` equal blows through a gain of 2, with noise of these powers on both channels
-/// and silence before and after each blow.
+/// Spectra of `n_hits` equal impulses and of the impulses times 2, with noise of these powers on
+/// both channels, and the noise found from the silence before the impulses.
 fn blows(
     seed: u64,
     n_hits: usize,
@@ -276,8 +276,8 @@ fn s13_few_hits_are_covered_by_students_law() {
             let of_parts = covered(n_hits, noise, estimator, seeds);
             println!("{n_hits} hits, noise {noise:?}, {estimator:?}: {of_parts:.1?}");
             for [one, two] in of_parts {
-                // 2040 lines and more: standard errors of 1 % and 0.5 %, times three, plus the
-                // second order
+                // 2040 lines or more: three standard errors of 1 % and 0.5 %, plus the second order
+                // of the error
                 assert!(
                     (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
                     "{n_hits}: {one} {two}"
@@ -310,15 +310,14 @@ fn s13_bias_by_noise_at_rest_is_told_and_can_be_removed() {
             .map(|h| h.norm() / 2.0 - 1.0)
             .collect();
         let stated = mean(&response.noise_bias.as_ref().unwrap()[1..256]);
-        // a line scatters by ((a + b)/120)^½ = 5 %, the mean by 0.3 %, and the bias by scatter is
-        // 0.1 %: four times these
+        // a line scatters by ((a + b)/120)^½ = 5 %, the mean by 0.3 %, and the scatter causes a
+        // bias of 0.1 %: four times these
         assert!(
             (mean(&off) - expected).abs() < 0.014,
             "{estimator:?} {}",
             mean(&off)
         );
-        // the noise is known to a relative 2 %, and the noise in the level of the line remains in
-        // the ratio
+        // the noise is known to 2 %, and the scatter of the level of a line enters the stated bias
         assert!((stated - expected).abs() < 0.015, "{estimator:?} {stated}");
     }
 }

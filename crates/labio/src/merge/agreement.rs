@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use crate::FrequencyResponse;
 use crate::merge::entering::{common_error_at, relative_variance};
 
-/// Number of standard errors that is attributed to chance between two tests.
+/// Largest difference between two tests, in standard errors, that is attributed to chance.
 const COVERAGE: f64 = 3.0;
 
 /// Relative variance of the ratio of two tests above which the logarithm of the ratio is not used.
@@ -61,7 +61,7 @@ impl Agreement {
 /// Returns gain and delay of `other` relative to `first`, fitted to `lines`.
 #[allow(
     clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
+    reason = "`MergedResponse::like` has found the same number of lines in every list of every test"
 )]
 pub(super) fn agreement(
     first: &FrequencyResponse,

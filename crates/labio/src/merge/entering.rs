@@ -1,7 +1,7 @@
 //! The tests that contribute to a merged line, with the errors that determine their weights.
 #![allow(
     clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test, and the entering tests are some of them"
+    reason = "`MergedResponse::like` has found the same number of lines in every list of every test, and the entering tests are some of these tests"
 )]
 
 use num_complex::Complex64;
@@ -14,7 +14,7 @@ pub(super) const CLEAR: f64 = 1e-4;
 
 /// Number of lines on each side over which the coherence is averaged before this comparison. If
 /// lines were chosen by their own coherence, those with an accidentally small variance would be
-/// preferred: with three hits per test, this made one merge in two disagree.
+/// preferred: with three hits per test, half of all pairs of correct tests would seem to differ.
 const CLEAR_NEIGHBOURS: usize = 8;
 
 /// The tests that contribute to a line.

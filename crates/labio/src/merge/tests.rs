@@ -84,8 +84,8 @@ fn each_line_is_that_of_the_larger_force() {
             .unwrap();
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let forces = [&heavy, &light].map(|test| test.auto("force").unwrap());
-    // the coherent power, for tests above the coherence that chance reaches once in ten thousand,
-    // or else once in twenty
+    // the coherent power of tests whose coherence is above the level that chance reaches with a
+    // probability of 1e-4 or, if there are none, 5 %
     let coherence = |test: usize, line: usize| responses[test].coherence.as_ref().unwrap()[line];
     let force = |test: usize, line: usize| {
         let passes =
@@ -121,8 +121,8 @@ fn inverse_variances_weigh_as_least_squares_does() {
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
     for line in [1, 50, 100] {
-        // for H1 with the coherence c: the variance |H|² (1 - c)/((n - 1) c), and the bias |H| (1 -
-        // c) if all missing coherence were noise of the force
+        // for H1 with the coherence c: the variance |H|² (1 - c)/((n - 1) c), and the bias
+        // |H| (1 - c) that the force would cause if all missing coherence were its noise
         let c = [0, 1].map(|h: usize| responses[h].coherence.as_ref().unwrap()[line]);
         let relative = c.map(|c| (1.0 - c) / (9.0 * c));
         let h = [0, 1].map(|h: usize| responses[h].values[line]);
@@ -136,10 +136,10 @@ fn inverse_variances_weigh_as_least_squares_does() {
         // the same numbers combined in another order
         assert!((merged.response.values[line] - expected).norm() < 1e-13);
         assert!((merged.shares[(0, line)] - share).abs() < 1e-13);
-        // 18 degrees of freedom each, and the cost of weights estimated with so many
+        // the factor by which weights estimated with 18 degrees of freedom increase the variance
         let cost = 1.0 + 8.0 * share * (1.0 - share) / 18.0;
         let variance = merged.response.variance.as_ref().unwrap()[line];
-        // the |H| in the variance is that of the merged line
+        // the variance is computed with the |H| of the merged line
         let of_merged =
             [0, 1].map(|k: usize| relative[k] * h[k].norm_sqr().max(expected.norm_sqr()));
         let expected_variance =
@@ -159,7 +159,7 @@ fn inverse_variances_weigh_as_least_squares_does() {
 }
 
 /// The two hammers of paper E with noise of the force: above 1.5 kHz the force of the heavy hammer
-/// is zero, and so are H1 and its variance.
+/// is only noise, and its H1 is nearly zero, as is the variance.
 #[test]
 fn s2_noise_of_the_force_does_not_win() {
     let noisy = Hammer {
@@ -187,8 +187,8 @@ fn s2_noise_of_the_force_does_not_win() {
         }
     }
     // 3500 errors with 18 degrees of freedom: Student's distribution has 67 % within one standard
-    // error, with a standard error of 0.7 %, and a mean square of 18/16, known to 2 %; with the
-    // variance of H1 itself, only 10 % are covered, and the mean square is above 100
+    // error (this share is found to 0.7 %) and a mean square of 18/16 (found to 2 %). With the
+    // variance of H1 as the weight, only 10 % are within, and the mean square is above 100
     assert!((covered / count - 0.67).abs() < 0.03, "{}", covered / count);
     assert!(
         (squares / count / 1.125 - 1.0).abs() < 0.1,
@@ -197,9 +197,9 @@ fn s2_noise_of_the_force_does_not_win() {
     );
 }
 
-/// Coverage without a known noise at rest: the truth is within the random error of the range that
-/// the possible bias leaves open, whichever channel has the noise; the random error alone covers
-/// noise on the response.
+/// Coverage if the noise at rest is unknown: the true value is within the random error of the range
+/// between the estimate and the estimate corrected for the possible bias, whichever channel has the
+/// noise. The random error alone covers only noise on the response.
 #[test]
 fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
     let n_seeds = testbed::noise::draws(12);
@@ -235,7 +235,7 @@ fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
             "force {of_force}, velocity {of_velocity}: {within:.3} of {count}, by the random error alone {random:.3}"
         );
         // 4200 lines with 18 and 36 degrees of freedom: Student's distribution has 93.5 to 94.3 %
-        // within 1.96; four standard errors are 1.5 %
+        // within 1.96 standard errors; four standard errors of this share are 1.5 %
         assert!(
             within > 0.92,
             "force {of_force}, velocity {of_velocity}: {within}"
@@ -248,8 +248,8 @@ fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
     }
 }
 
-/// Tests whose larger input is noise are not selected on a line, and a line for which there is only
-/// such a test is not coherent.
+/// A test whose input is larger only because of its noise is not selected on a line, and a line for
+/// which there is no other test is not coherent.
 #[test]
 fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     let noisy = Hammer {
@@ -272,7 +272,7 @@ fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     );
     let alone = merge(&[&heavy, &heavy]);
     let coherent = alone.coherent[band].iter().filter(|c| **c).count();
-    // one in twenty of 150 by chance: 7.5; four standard errors are 11
+    // 5 of 100 lines are coherent by chance, with a standard error of 2.2
     assert!(coherent < 19, "{coherent}");
 }
 
@@ -300,7 +300,7 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     // sensors with an uncertainty of 10 % explain this gain
     let merged = MergedResponse::by_inverse_variance(&responses(off, 0.1)).unwrap();
     assert!(merged.agreement[0].unwrap().explains_gain());
-    // and the lines agree beside it
+    // and, apart from this gain, the lines agree
     assert!(merged.inflation.iter().all(|factor| *factor < 1.0 + 1e-12));
     let merged = MergedResponse::by_inverse_variance(&responses(LIGHT, 0.0)).unwrap();
     let agreement = merged.agreement[0].unwrap();
@@ -311,8 +311,8 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     assert!(merged.inflation.iter().all(|factor| *factor <= 1.0));
 }
 
-/// The discrepancy has the mean 1 for any number of hits; |ΔH|² divided by the variances alone has
-/// the mean 2.75 for three hits each.
+/// The mean of the discrepancy is 1 for any number of hits; that of |ΔH|² divided by the sum of the
+/// variances would be 2.75 for three hits each.
 #[test]
 fn s13_the_discrepancy_has_the_mean_one() {
     for n_hits in [2, 3, 5, 10] {
@@ -326,14 +326,14 @@ fn s13_the_discrepancy_has_the_mean_one() {
             let tests = [test_of(hammer, 300 + seed), test_of(hammer, 400 + seed)];
             let responses = tests.map(|test| test.h1("force", "velocity").unwrap());
             let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
-            // with two hits, some lines are not clear enough to be compared
+            // with two hits, some lines are not coherent enough to be compared
             for value in merged.discrepancy[1..200].iter().filter(|d| d.is_finite()) {
                 sum += value;
                 count += 1.0;
             }
         }
-        // 1990 values of an exponential distribution: 2.2 %; Welch's approximation leaves an error
-        // of 9 % for two hits each
+        // 1990 values of an exponential distribution: a standard error of 2.2 %; Welch's
+        // approximation causes an error of 9 % for two hits each
         let mean: f64 = sum / count;
         println!("{n_hits} hits: mean discrepancy {mean:.3} of {count} lines");
         assert!(
@@ -390,7 +390,7 @@ fn tests_without_scatter_share_a_line() {
         response.variance = Some(vec![0.0; N / 2 + 1]);
     }
     let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
-    // two equal halves, exact in binary
+    // equal shares of 1/2, which is exact in binary
     assert!(merged.shares.iter().all(|s| (s - 0.5).abs() <= 0.0));
     assert!((merged.response.values[3] - truth(&merged.response, 3)).norm() < 1e-13);
 }
@@ -464,8 +464,8 @@ fn tests_with_other_windows_or_levels_are_refused() {
     }
 }
 
-/// With 3, 5 and 10 hits, 5, 1 and 0 of 400 merges of correct tests differ; with lines chosen by
-/// their own coherence, 188, 20 and 0.
+/// Of 400 pairs of correct tests with 3, 5 and 10 hits, 5, 1 and 0 are found to differ; if lines
+/// were chosen by their own coherence, it would be 188, 20 and 0.
 #[test]
 fn s6_right_hammers_differ_at_the_level_that_is_stated() {
     for n_hits in [3, 5, 10] {
@@ -479,12 +479,13 @@ fn s6_right_hammers_differ_at_the_level_that_is_stated() {
             merged.inflation.iter().any(|factor| *factor > 1.0)
         });
         let differ = differ.count();
-        // 1 % of a hundred: more than five have a probability of 0.0005
+        // 1 % of a hundred is expected; the probability of more than five is 0.0005
         assert!(differ <= 5, "{n_hits} hits: {differ} of {seeds}");
     }
 }
 
-/// With 200 tests each, 67-69 % and 94-95 % of magnitudes and phases are within the limits.
+/// Of magnitudes and phases, 68.3 % and 95 % must be within the limits of Student's distribution;
+/// with 200 tests for each case, 67-69 % and 94-95 % are.
 #[test]
 fn s13_merged_hammers_are_covered_by_students_law() {
     let seeds: u64 = testbed::noise::draws(8);
@@ -515,8 +516,8 @@ fn s13_merged_hammers_are_covered_by_students_law() {
                 let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
                 let errors = merged.response.random_error().unwrap();
                 let freedom = merged.response.degrees_of_freedom.as_ref().unwrap();
-                // below two thirds of the first zero of the light hammer; choosing lines by their
-                // error would prefer those with an accidentally small error
+                // all lines below two thirds of the first zero of the light hammer: a choice by
+                // their errors would prefer lines with an accidentally small error
                 for line in 1..400 {
                     let student = StudentsT::new(0.0, 1.0, freedom[line]).unwrap();
                     let off = (merged.response.values[line] / truth(&merged.response, line)).ln();
@@ -532,8 +533,8 @@ fn s13_merged_hammers_are_covered_by_students_law() {
             let covered = counts.map(|count| count.map(|inside| 100.0 * inside / total));
             println!("{n_hits} hits, {estimator:?}: {covered:.1?}");
             for [one, two] in covered {
-                // 3192 lines and more: 0.8 and 0.4 %, times three, plus 1.5 % for the estimated
-                // weights of three hits
+                // 3192 lines or more: three standard errors of 0.8 % and 0.4 %, plus 1.5 % for the
+                // estimated weights of three hits
                 assert!(
                     (one - 68.3).abs() < 4.0 && (two - 95.0).abs() < 2.7,
                     "{one} {two}"

@@ -71,7 +71,8 @@ mod tests {
 
     use super::*;
 
-    /// Means of |e|² and of the products of errors `apart` lines apart, in units of |e|².
+    /// Compares the means of |e|² and of the products of errors on lines of some distance with the
+    /// stated |e|²: lines within the distance of independent noise are correlated, others are not.
     #[test]
     fn errors_have_their_size_and_only_near_lines_share_them() {
         let n = 40_000;
@@ -82,7 +83,7 @@ mod tests {
             let pairs = values.iter().zip(values.iter().skip(apart));
             pairs.map(|(a, b)| (a * b.conj()).re).sum::<f64>() / (4.0 * (n - apart) as f64)
         };
-        // 8000 independent errors: 1.1 % of scatter, taken four times
+        // 8000 independent errors: four standard errors of 1.1 %
         assert!((mean(0) - 1.0).abs() < 0.045, "{}", mean(0));
         assert!(mean(1) > 0.8, "{}", mean(1));
         assert!(mean(10).abs() < 0.045, "{}", mean(10));

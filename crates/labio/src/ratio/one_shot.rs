@@ -13,7 +13,7 @@ const LEAST_ENERGY: f64 = 10.0;
 pub(super) struct ChannelAtRest<'a> {
     /// Name of the channel.
     pub(super) channel: &'a str,
-    /// Noise of the channel before the blow.
+    /// Noise of the channel before the impact.
     pub(super) noise: &'a RestNoise,
     /// Duration of the noise in the spectra \[s\].
     pub(super) duration: f64,

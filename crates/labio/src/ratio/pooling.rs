@@ -2,9 +2,9 @@
 //!
 //! From n averages the variance of a line has 2(n - 1) degrees of freedom. From three hits there
 //! are four; forty standard errors are then as improbable as five standard errors of a normal
-//! variable. However, noise has no fine structure, and neighbouring lines contain the same
-//! information about it. Neither the variance of the ratio nor the coherence varies smoothly, since
-//! both follow the resonances, but the residual power of the numerator given Ψ does,
+//! variable. However, the spectrum of the noise is smooth, so that neighbouring lines also contain
+//! information about the noise of a line. The variance of the ratio and the coherence are not
+//! smooth, since both follow the resonances, but the residual power S of the numerator given Ψ is,
 //!
 //! ```text
 //! S = n G₂₂ E|δΨ|² = N₁ + |Ψ|² N₂
@@ -15,11 +15,11 @@
 //! freedom, each weighted by the inverse of its variance, 1/S². With the leverage h of the line in
 //! this fit, the S of the line has 2(n - 1)/h degrees of freedom.
 //!
-//! Neighbours are not used where they do not determine the noise of a line. A line with so large an
-//! S that noise exceeds it once in a thousand lines, for example at the mains frequency, keeps its
-//! S and is not used for other lines. If the lines of a fit scatter about it by more than four
-//! standard deviations of the scatter expected from 2(n - 1) degrees of freedom, each line keeps
-//! its S.
+//! Neighbours are not used where they do not determine the noise of a line. A line whose S is so
+//! large that noise exceeds it with a probability of 0.001, for example at the mains frequency,
+//! keeps its S and is not used for other lines. If the scatter of the lines about their fit exceeds
+//! the scatter expected from 2(n - 1) degrees of freedom by more than four of its standard
+//! deviations, each line keeps its S.
 
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -34,8 +34,8 @@ const ENOUGH: f64 = 40.0;
 const TERMS: f64 = 2.0;
 /// Probability below which a line keeps its own noise.
 const STRANGE: f64 = 1e-3;
-/// Number of standard deviations of the scatter about a fit above which the fit does not describe
-/// the lines.
+/// Excess of the scatter about a fit, in standard deviations of this scatter, above which the fit
+/// does not describe the lines.
 const ROUGH: f64 = 4.0;
 /// Largest number of repetitions of a fit with the weights from the previous one.
 const MOST_ROUNDS: u32 = 30;
@@ -99,8 +99,8 @@ impl AveragedVariance<'_> {
             freedom: vec![alone; count],
         };
         let lines = self.lines();
-        // two lines more than coefficients; otherwise there is no scatter from which to judge the
-        // fit
+        // a fit needs two lines more than it has coefficients: otherwise there is no scatter by
+        // which it could be judged
         let width = (TERMS * ENOUGH / alone.own).ceil();
         if lines.len() < 4 || alone.line >= ENOUGH {
             return Ok(pooled);
@@ -235,7 +235,7 @@ impl Window<'_> {
         for _ in 0..MOST_ROUNDS {
             sums = Sums::default();
             for line in around() {
-                // a fit must not make a line free of noise
+                // the fit must not give a line without noise, whose weight would be infinite
                 let expected = noise.power(line.ratio).max(1e-3 * mean);
                 sums.add(line, expected);
             }

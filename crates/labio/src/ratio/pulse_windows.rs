@@ -3,16 +3,16 @@
 use super::PulseWindow;
 use crate::{LabioError, LevelAtRest, Record};
 
-/// Peak between the windows, relative to the smaller pulse, above which it is a pulse.
+/// Peak between the windows, relative to the smaller pulse, above which it counts as a pulse.
 const OTHER_PULSE: f64 = 0.3;
-/// Fraction of the smaller pulse at which the pulses on either side have ended.
+/// Fraction of the smaller pulse below which the pulses on either side have ended.
 const OF_TAIL: f64 = 0.15;
 /// Number of standard deviations that noise does not reach between two windows.
 const BEYOND_NOISE: f64 = 10.0;
 /// Value at the edge of a window, relative to the peak in it, above which the window cuts a pulse.
-/// At the lowest lines of a pulse, the error of its spectrum is about twice this.
+/// On the lowest lines of a pulse, the relative error of its spectrum is about twice this value.
 const CUT: f64 = 0.01;
-/// Number of standard deviations of the noise that such a value exceeds.
+/// Number of standard deviations of the noise that the value at the edge must exceed.
 const CUT_BEYOND_NOISE: f64 = 5.0;
 
 /// Returns the peak between the `earlier` and the `later` window divided by the peak of the smaller
@@ -22,9 +22,9 @@ const CUT_BEYOND_NOISE: f64 = 5.0;
 /// smaller one.
 ///
 /// Both peaks are means over the `hits`, counted from the level in the first `n_rest` samples (from
-/// 0 without them). The tails of the two pulses do not count: samples before the signal first falls
-/// below 15 % of the smaller pulse, and after it is last below. Another pulse exceeds 30 % of the
-/// smaller one and ten standard deviations of the noise.
+/// 0 without them). The tails of the two pulses do not count: these are the samples before the
+/// signal first falls below 15 % of the smaller pulse, and those after it was last below this
+/// level. Another pulse exceeds 30 % of the smaller one and ten standard deviations of the noise.
 ///
 /// # Errors
 ///
@@ -216,9 +216,9 @@ mod tests {
             window("b", 1070, 1130),
         );
         let found = find(&hit(0.5, 0.0), &last, &b).unwrap();
-        // rounding of 3 + x
+        // rounding errors of 3 + x
         assert!((found - 0.5).abs() < 1e-12, "{found}");
-        // from the first gauge on, the whole pulse at 700 lies between
+        // after a window of the first gauge, the whole pulse at 700 counts
         let found = find(&hit(0.5, 0.0), &last, &a).unwrap();
         assert!((found - 1.0).abs() < 1e-12, "{found}");
         assert_eq!(find(&hit(0.5, 0.0), &b, &a), None);

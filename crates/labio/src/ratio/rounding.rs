@@ -3,8 +3,9 @@
 //! Rounding errors are independent noise if the noise before the converter exceeds a third of its
 //! step. With less noise, they are harmonics of the decaying motion, the same in every hit; the
 //! scatter between hits does not show them, and more hits do not reduce them. They are estimated by
-//! rounding the samples again to twice the step: the ratio changes by the difference of two such
-//! errors, of which the new one is twice as large and comes from an earlier part of the decay.
+//! rounding the samples again, to twice the step: the ratio changes by the difference of two
+//! rounding errors, of which the new one is twice as large and arises in an earlier part of the
+//! decay.
 
 use num_complex::Complex64;
 
@@ -28,7 +29,7 @@ struct Sums {
 }
 
 /// Returns E|δΨ|² of every line due to the part of the rounding error that all hits share; `None`
-/// unless the step exceeds the noise before the blow in at least two hits.
+/// unless the step exceeds the noise before the impact in at least two hits.
 pub(super) fn shared_variance(
     hits: &[&Record],
     n_silent: Option<usize>,

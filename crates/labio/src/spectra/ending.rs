@@ -247,7 +247,7 @@ mod tests {
         // rounding errors of the sums of a straight line
         assert!((end.level - motion(n)).abs() < 1e-12 && (end.slope - 0.3).abs() < 1e-13);
         Completion::new(n, decay).complete(Ending::Ramp, end, &mut lines);
-        // 64 times as long: 0.98^2048 is 1e-18
+        // a record 64 times as long, at whose end the weight is 0.98^2048 = 1e-18
         let long = forward(&whole(64 * n));
         for (line, value) in lines.iter().enumerate() {
             let exact = long[64 * line];
@@ -277,10 +277,10 @@ mod tests {
         Completion::new(48, 1.0).complete(Ending::Ramp, end, &mut lines);
         let found = forward(&completed_motion(&hit, "end", Some(12), None).unwrap());
         for (a, b) in found.iter().zip(&lines).skip(1) {
-            // sums of numbers of a few tens
+            // rounding errors of sums of numbers of a few tens
             assert!((a - b).norm() < 1e-11, "{a} {b}");
         }
-        // s4: under a window that leaves e^{-2.4} at the end
+        // the same under a window that falls to e^{-2.4} at the end
         let window = AddedDamping::new(0.05).unwrap();
         let weigh = |samples: &[f64]| -> Vec<f64> {
             let weights = window.weights(48, 1.0).unwrap();
@@ -301,8 +301,8 @@ mod tests {
             .collect();
         let Completion { cut, .. } = Completion::new(400, 1.0);
         assert_eq!(cut.len(), tail.len());
-        // the transform of a Hann window falls as (pi m (m^2 - 1))^-1 of half its sum: 0.2 % at 5.3
-        // cycles
+        // m cycles away, the transform of a Hann window is at most 1/(pi m (m^2 - 1)) of half its
+        // sum: 0.2 % for 5.3 cycles
         let end = Ending::Constant.fit(&tail);
         assert!((end.level - 1.0).abs() < 0.004, "{end:?}");
         assert_eq!(

@@ -18,11 +18,11 @@ const NO_NOISE: f64 = 6.0;
 /// Ratio of remainder to peak that counts as rest, as in the [criteria](crate::hits::Criteria) for
 /// hits.
 const AT_REST: f64 = 0.01;
-/// Largest effect on the lowest line of the motion that is cut off at the end, divided by the noise
+/// Largest effect of the motion that is cut off at the end on the lowest line, divided by the noise
 /// of this line.
 const PART_OF_NOISE: f64 = 0.3;
-/// Multiples of [`EXPONENT_STEP`] that are tried as σT: the window falls to e^-2 to e^-16 at the
-/// end.
+/// Multiples of [`EXPONENT_STEP`] that are tried as σT: at the end, the window has fallen to a
+/// weight of e^-2 to e^-16.
 const EXPONENTS: std::ops::RangeInclusive<u32> = 4..=32;
 const EXPONENT_STEP: f64 = 0.5;
 
@@ -31,9 +31,9 @@ const EXPONENT_STEP: f64 = 0.5;
 /// channel is within a hundredth of its peak, within twice the largest excursion in the silence or
 /// within six times the root-mean-square value of the silence, and its mean there is too small to
 /// change the lowest line, unlike the creep after a long pulse. In addition, the channels must have
-/// been quiet for longer than between two of their motions, because in a long bar a wave that has
-/// passed a gauge is on its way back to it; of several channels, this is not required if the first
-/// to move was also the last.
+/// been quiet for longer than the longest pause between two of their motions, because in a long bar
+/// a wave that has passed a gauge is on its way back to it. With several channels, this is not
+/// required if the channel that moved first was also the last to move.
 ///
 /// Its decay rate σ is the smallest of a series of values for which the effect of the motion cut
 /// off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is at most three
@@ -143,7 +143,7 @@ impl Motion {
     }
 
     /// Returns true if the motion has not ended; `pause_counts` states whether it may begin again
-    /// after a pause as long as an earlier one.
+    /// after a pause as long as the longest pause so far.
     fn goes_on(&self, pause_counts: bool) -> bool {
         let pause = if pause_counts { self.longest_pause } else { 0 };
         self.quiet < self.n_tail.max(pause)
@@ -161,8 +161,8 @@ fn has_left(motions: &[Option<Motion>]) -> bool {
         .is_some_and(|((first, _), (last, _))| first == last && motions.len() > 1)
 }
 
-/// Returns true if a level that is cut off at the end changes the lowest line of a hit without
-/// damping by more than the part of its noise that is allowed.
+/// Returns true if a level that is cut off at the end changes the lowest line of an undamped hit by
+/// more than [`PART_OF_NOISE`] of the noise of this line.
 fn is_above_noise(level: f64, density: f64, duration: f64, lowest_hz: f64) -> bool {
     let cut_off = 2.0 * (level / (TAU * lowest_hz)).powi(2);
     cut_off > PART_OF_NOISE * PART_OF_NOISE * density * duration
@@ -297,8 +297,8 @@ mod tests {
         );
     }
 
-    /// Pulses of 100 samples that begin at these samples after a silence of 300; each is 0.8 times
-    /// the one before.
+    /// Pulses of 100 samples that begin at `starts` after a silence of 300 samples; the height of
+    /// each is 0.8 times that of the previous pulse.
     fn passages(starts: &[usize], n_samples: usize) -> Vec<f64> {
         let mut samples = vec![0.0; n_samples];
         let mut height = 1.0;
@@ -317,13 +317,14 @@ mod tests {
             let damping = damping_of_ringing(&[&hit], &["gauge"], 300, 50.0).unwrap();
             damping.is_some()
         };
-        // the last passage ends 250 or 350 samples before the end; the pauses have 300 samples
+        // the last passage ends 250 or 350 samples before the end of the record; the pauses between
+        // passages last 300 samples
         assert!(needs(1550));
         assert!(!needs(1650));
     }
 
-    /// A bar with two gauges: the pulse passes the first, the second, and on its way back the
-    /// second and the first.
+    /// A bar with two gauges: the pulse passes the first gauge and the second and, on its way back,
+    /// the second and the first.
     #[test]
     fn a_wave_that_has_left_all_gauges_leaves_them_at_rest() {
         let needs = |starts: [&[usize]; 2]| {
@@ -335,7 +336,7 @@ mod tests {
             damping.is_some()
         };
         assert!(!needs([&[100, 900], &[300, 700]]));
-        // the wave is on its way from the second gauge to the end
+        // the last passage is that of the second gauge: the wave will return to it
         assert!(needs([&[100, 500, 800], &[200, 400, 900]]));
     }
 
@@ -357,8 +358,8 @@ mod tests {
         assert!(!needs(0.0));
     }
 
-    /// White noise after white noise: the mean energy of lines, including the effect of the level,
-    /// is that predicted from the silence.
+    /// White noise in the silence and after it: the mean energy of a line, including the effect of
+    /// the subtracted level, is that predicted from the silence.
     #[test]
     fn the_silence_tells_the_noise_under_the_window() {
         let mut random = ChaCha8Rng::seed_from_u64(11);
@@ -378,8 +379,8 @@ mod tests {
             }
         }
         for (found, stated) in sums {
-            // 400 exponentially distributed energies: 5 %, and 16 % from a silence of 200 samples,
-            // divided by the root of 400: three times these
+            // standard errors: 5 % for 400 exponentially distributed energies, and 16 % divided by
+            // the root of 400 for the silences of 200 samples; three times these
             assert!((found / stated - 1.0).abs() < 0.16, "{found} {stated}");
         }
     }

@@ -192,7 +192,7 @@ impl Welch {
         let channels = source.channels().to_vec();
         let mut averager = self.averager(&channels, source.sampling_rate_hz())?;
         let mut block = Array2::zeros((channels.len(), 2 * self.n_samples));
-        // part of a segment, and a block
+        // room for a part of a segment and a block
         let mut held: Vec<Vec<f64>> = channels
             .iter()
             .map(|_| Vec::with_capacity(3 * self.n_samples))
@@ -353,8 +353,8 @@ mod tests {
 
     #[test]
     fn the_variance_of_overlapped_averages_is_that_of_the_effective_number() {
-        // many records of white noise with 8 segments of 64 samples each, overlapping by 75 %:
-        // variance of the lines over the records
+        // variance of the lines over many records of white noise, each with 8 segments of 64
+        // samples that overlap by 75 %
         let welch = Welch::new(64).unwrap().with_overlap(48).unwrap();
         let n_records = 800;
         let mut squares = 0.0;
@@ -364,17 +364,17 @@ mod tests {
             let spectra = welch.spectra(&noise(64 + 7 * 16, 1000 + seed)).unwrap();
             assert_eq!(spectra.n_averages(), 8);
             effective = spectra.effective_averages();
-            // the lines at the ends have one component; their neighbours share it because of the
-            // window
+            // the lines at 0 Hz and at the Nyquist frequency have one component instead of two; the
+            // window spreads this effect to the neighbouring lines
             for g in &spectra.power_density("x").unwrap()[2..31] {
                 squares += (g / 0.02 - 1.0).powi(2);
                 n_lines += 1.0;
             }
         }
         let variance = squares / n_lines;
-        // gamma distribution of shape 4.3: relative variance of a squared deviation (2 + 6/4.3) =
-        // 3.4; neighbouring lines of a Hann window are correlated (0.44 of their number is
-        // independent), so 10 200 independent ones: 2 % standard error
+        // for a gamma distribution of shape 4.3, the relative variance of a squared deviation is
+        // 2 + 6/4.3 = 3.4; neighbouring lines of a Hann window are correlated, and 0.44 of their
+        // number, 10 200 lines, is independent: a standard error of 2 %
         assert!(
             (variance * effective - 1.0).abs() < 0.08,
             "variance {variance}, effective number {effective}"

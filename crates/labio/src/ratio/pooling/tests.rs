@@ -10,8 +10,8 @@ fn ratio_of(line: usize) -> Complex64 {
     x.cosh()
 }
 
-/// Ψ, its variance from the coherence, and G₂₂, for hits whose spectra are drawn directly: spectra
-/// of given power, and noise of a given power in both channels on every line.
+/// Ψ, its variance from the coherence, and G₂₂, for hits whose spectra are drawn directly: signals
+/// of given power, and noise of given power in both channels, on every line.
 struct Hits {
     ratio: Vec<Complex64>,
     variance: Vec<f64>,
@@ -86,7 +86,7 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
             let pooled = hits.pooled();
             for line in 0..LINES {
                 let quotient = hits.quotient(&pooled, line, noise);
-                // few lines keep their own variance
+                // leaves out the few lines that keep their own variance
                 if pooled.freedom[line].line > 2.5 * hits.averages {
                     mean += quotient;
                     scatter += (quotient - 1.0).powi(2);
@@ -97,17 +97,17 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
         }
         let all = f64::from(u32::try_from(records).unwrap()) * LINES as f64;
         assert!(n > 0.95 * all, "{count}: {n} of {all}");
-        // 20 records and more of 300 lines with 2(n - 1) degrees of freedom: 1 % of the mean; a
-        // non-negative fit has a bias of 2 %
+        // 20 records or more of 300 lines with 2(n - 1) degrees of freedom: a standard error of 1 %
+        // of the mean; the fit, which does not allow negative noise, has a bias of 2 %
         assert!((mean / n - 1.0).abs() < 0.04, "{count}: {}", mean / n);
         assert!(
             (scatter / said - 1.0).abs() < 0.25,
             "{count}: {scatter} {said}"
         );
-        // ceil(80/ν) lines with ν = 2(n - 1) degrees of freedom each. All of these belong to one
-        // coefficient where the other is 0, with a leverage of one divided by the number of lines:
-        // 80 for three hits and 90 for ten. If both coefficients are fitted, each gets half of them
-        // on average, with 20 % allowed for the ends
+        // A fit uses ceil(80/ν) lines with ν = 2(n - 1) degrees of freedom each. Where one
+        // coefficient is 0, the other has all these degrees of freedom: 80 for three hits and 90
+        // for ten. If both coefficients are fitted, each has half of them on average; 20 % less are
+        // allowed because of the lines at both ends
         let freedom = 2.0 * n / said;
         let alone = 2.0 * (count as f64 - 1.0);
         let most = alone * (80.0 / alone).ceil();
@@ -118,8 +118,8 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
     }
 }
 
-/// Mains noise: one line with a hundred times the noise keeps its own variance and does not affect
-/// its neighbours.
+/// Mains noise: a line whose noise is a hundred times that of the other lines keeps its own
+/// variance and does not affect its neighbours.
 #[test]
 fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
     let noise = |line: usize| {
@@ -133,7 +133,7 @@ fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
         let hits = Hits::drawn(seed, 4, noise);
         let pooled = hits.pooled();
         if hits.variance[100] * hits.power[100] < 20.0 * 1e-5 / 4.0 {
-            continue; // by chance no larger than on other lines
+            continue; // the noise of line 100 is by chance no larger than on other lines
         }
         assert!((pooled.variance[100] / hits.variance[100] - 1.0).abs() < 1e-12);
         assert!((pooled.freedom[100].line - 6.0).abs() < 1e-12);
@@ -149,7 +149,8 @@ fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
     }
 }
 
-/// Noise with a structure as fine as the lines contains no information about the next line.
+/// Lines keep their own variance if the noise changes from line to line, because the neighbours
+/// then contain no information about it.
 #[test]
 fn r14_lines_with_rough_noise_keep_their_own() {
     let hits = Hits::drawn(1, 10, |line| [if line % 4 < 2 { 1e-5 } else { 5e-5 }, 0.0]);
