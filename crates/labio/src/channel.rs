@@ -49,7 +49,7 @@ impl Quantity {
         Self::ALL.into_iter().find(|q| q.dimension() == dimension)
     }
 
-    /// Returns true for a force, and for the signal of a sensor without calibration.
+    /// Returns true for a force, and for the signal of an uncalibrated sensor.
     pub(crate) fn may_be_force(self) -> bool {
         matches!(self, Self::Force | Self::Voltage | Self::Charge)
     }

@@ -158,7 +158,7 @@ impl FrequencyResponse {
             if self.validity[line] != LineValidity::Valid {
                 continue;
             }
-            // a reciprocal is zero only where the response overflows
+            // the reciprocal of a finite response is zero only if it underflows
             if !value.is_finite() || exchange && value == Complex64::ZERO {
                 converted.invalidate(line, LineValidity::NotDefined);
                 continue;

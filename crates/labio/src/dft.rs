@@ -70,7 +70,7 @@ impl Dft {
     /// Transforms the contents of [`Dft::input`] and overwrites them.
     #[expect(
         clippy::expect_used,
-        reason = "the transform fails only on wrong buffer lengths: the input was made by the plan, the output has the lines of it"
+        reason = "the transform fails only on wrong buffer lengths: the plan made the input, and the output has the lines of the plan"
     )]
     pub(crate) fn transform(&mut self, output: &mut [Complex64]) {
         self.plan
@@ -101,7 +101,7 @@ pub(crate) fn forward(samples: &[f64]) -> Vec<Complex64> {
 /// Hz and at the Nyquist frequency occur once in the sum; only their real parts are used.
 #[expect(
     clippy::expect_used,
-    reason = "the transform fails only on wrong buffer lengths or imaginary parts of the end lines, which are taken off"
+    reason = "the transform fails only on wrong buffer lengths or imaginary parts of the end lines, which are set to 0"
 )]
 pub(crate) fn inverse(lines: &[Complex64], n_samples: usize) -> Vec<f64> {
     let plan: Arc<dyn ComplexToReal<f64>> =

@@ -29,9 +29,9 @@ const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Estimator of the frequency response from the averaged spectra of input x and output y.
 ///
-/// If the input has noise of level $`a`$ relative to the spectrum of the input without noise, and
-/// the output noise of such a level $`b`$, uncorrelated with each other and with the signals, the
-/// expected values have the biases stated below.
+/// If the input has noise with the power $`a`$ relative to the noise-free input, and the output
+/// noise with the power $`b`$ relative to the noise-free output, both uncorrelated with each other
+/// and with the signals, the expected values have the biases stated below.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

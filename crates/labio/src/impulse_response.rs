@@ -262,7 +262,7 @@ mod tests {
             for (i, value) in impulse.values().iter().enumerate() {
                 assert!((value - exact(i)).abs() < 1e-13); // two transforms of numbers of order one
             }
-            // e^{-60 0.3 2}: relative energy that is left after half the record
+            // relative energy after half the record: e^{-60·0.3·2}
             assert!(impulse.acausal_part() < 1e-14);
             for (there, back) in response.values.iter().zip(impulse.lines()) {
                 assert!((there - back).norm() < 1e-15);
@@ -279,7 +279,7 @@ mod tests {
             *value *= Complex64::cis(angle);
         }
         let impulse = late.impulse_response().unwrap();
-        // a claim compares it with the energy of the first 20 samples
+        // a claim compares this fraction with the energy of the first 20 samples
         assert!(impulse.acausal_part() > 0.0);
         let causal = impulse.causal();
         assert!(causal.acausal_part() <= 0.0);
@@ -296,7 +296,7 @@ mod tests {
             averager.add(&hit).unwrap();
             let response = averager.spectra().unwrap().h1("force", "velocity").unwrap();
             let impulse = response.impulse_response().unwrap();
-            // H(sigma + i omega), wherever in the record the hit is
+            // the response is H(sigma + i omega) for an impulse at any sample of the record
             let damped = |i: usize| exact(i) * (-40.0 * i as f64 / RATE).exp();
             let free = impulse.without_added_damping();
             for i in 0..200 {

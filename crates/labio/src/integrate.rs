@@ -17,8 +17,8 @@ pub enum LowFrequency {
     /// integral has zero mean: this is exact for a sum of the spectral lines of the record; for a
     /// transient it is wrong by a constant and, if the mean of the transient was not zero, a ramp.
     MeanRemoved,
-    /// Removes the mean, as [`Self::MeanRemoved`] does, and all lines below the frequency by a
-    /// sharp cut-off.
+    /// Removes the mean, as [`Self::MeanRemoved`] does, and all lines below a frequency by a sharp
+    /// cut-off.
     CutBelow {
         /// First frequency that is kept \[Hz\].
         frequency_hz: f64,

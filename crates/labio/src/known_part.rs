@@ -11,10 +11,9 @@ const NEIGHBOURS: f64 = 4.0;
 /// ```
 ///
 /// infinite where $`\bar v`$ is not above 0. Here $`\bar v`$ is the variance of the line or, if
-/// larger, the mean over nine independent lines around it, without lines that are not finite: an
-/// estimate from few averages is often much too small by chance, and the sum would then count as
-/// known. `lines_per_independent_line` is the number of lines for each line with independent
-/// noise.
+/// larger, the mean of the finite variances of nine independent lines around it: an estimate from
+/// few averages is often much too small by chance, and the sum would then count as known.
+/// `lines_per_independent_line` is the number of lines for each line with independent noise.
 pub(crate) fn gains(variance: &[f64], known: &[f64], lines_per_independent_line: f64) -> Vec<f64> {
     #[expect(
         clippy::cast_possible_truncation,

@@ -1,6 +1,6 @@
-//! Level and noise of a channel at rest, before the blow.
+//! Level and noise of a channel at rest, before the impact.
 
-/// Level and noise of a channel at rest, from the n samples x before the blow:
+/// Level and noise of a channel at rest, from the n samples x before the impact:
 ///
 /// ```text
 /// level = Σx/n ,    noise² = Σ(x - level)²/n ,    level_error² = noise²/n .

@@ -52,7 +52,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("hits.csv");
-//! # // three blows of a hammer on a mass of 0.5 kg, in volts
+//! # // three hits of a hammer on a mass of 0.5 kg, in volts
 //! # let mut table = String::from("Time [s],force [V],acceleration [V]\n");
 //! # for n in 0..6000 {
 //! #     let t = (n % 2000) as f64 - 500.0;

@@ -25,9 +25,9 @@ const FREQUENCY_TOLERANCE: f64 = 1e-9;
 /// The common response of several tests between the same two points, for example with a heavy and a
 /// light hammer.
 ///
-/// A test contributes to a line if its coherence is above the level that noise alone reaches once
-/// in twenty ([`Coherence::CHANCE`](crate::Coherence::CHANCE)); if no test reaches that level, all
-/// contribute, and the line is not [coherent](Self::coherent).
+/// A test contributes to a line if its coherence is above the level that noise alone reaches with a
+/// probability of 5 % ([`Coherence::CHANCE`](crate::Coherence::CHANCE)); if no test reaches that
+/// level, all contribute, and the line is not [coherent](Self::coherent).
 ///
 /// | field | shape | unit |
 /// |---|---|---|
@@ -72,13 +72,13 @@ const BY_CHANCE: f64 = 0.01;
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "`like` has found as many lines in every list of every test; the spectra of a test have the lines of its response"
+    reason = "`like` has found the same number of lines in every list of every test; the spectra of a test have the lines of its response"
 )]
 impl MergedResponse {
     /// Uses for each line the test with the largest coherent power of the input,
     /// $`\gamma^2 G_{xx}`$ (Ödeen 1993, paper E, section 3.1, for inputs without noise). If there
-    /// are tests with a coherence above the level that chance reaches once in ten thousand, only
-    /// these are considered.
+    /// are tests with a coherence above the level that noise alone reaches with a probability of
+    /// 1e-4, only these are considered.
     ///
     /// # Examples
     ///
@@ -134,12 +134,12 @@ impl MergedResponse {
         let level = |test: usize, line: usize| coherence(test, line) * levels[test][line];
         for line in 0..n_lines {
             let Entering { tests, coherent } = Entering::of(responses, line);
-            // the power of a test that is coherent by chance is that of its noise
+            // a coherence by chance turns the noise power of a test into coherent power
             let clear = |test: &usize| is_above(&responses[*test], line, CLEAR);
             let any_clear = tests.iter().any(clear);
             let candidates = tests.into_iter().filter(|test| !any_clear || clear(test));
             let largest = candidates.max_by(|a, b| {
-                // the first among equal ones
+                // of tests with equal levels, the first one is used
                 level(*a, line).total_cmp(&level(*b, line)).then(b.cmp(a))
             });
             let Some(largest) = largest else { continue };

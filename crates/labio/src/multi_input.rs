@@ -146,9 +146,9 @@ impl AveragedSpectra {
     /// # Validity
     ///
     /// Valid for noise on the output only. Linearly dependent inputs cannot be separated: such
-    /// lines are flagged [`LineValidity::DependentInputs`]. A single test in which the ratio of all
-    /// inputs stays the same, such as two shakers driven by one signal, is of this kind for any
-    /// number of averages.
+    /// lines are flagged [`LineValidity::DependentInputs`]. The inputs of a test in which their
+    /// ratios stay the same, such as two shakers driven by one signal, are dependent for any number
+    /// of averages.
     ///
     /// # Errors
     ///

@@ -1,16 +1,17 @@
-//! Step of a converter, found from its samples.
+//! Quantisation step of a converter, found from its samples.
 
 use ndarray::ArrayView1;
 
-/// Share of samples at rest that equal the sample before them, above which a converter hardly
-/// changes its output. Gaussian noise of 0.26 steps about the middle of a step gives this share.
+/// Share of samples at rest that equal the previous sample, above which the noise counts as too
+/// small to change the output of the converter. Gaussian noise with a standard deviation of 0.26
+/// steps, centred between two thresholds of the converter, gives this share.
 const STILL: f64 = 0.9;
 
-/// Smallest step of a converter relative to the largest excursion: 24 bits, of which two are not
-/// used. Numbers with a smaller step were computed.
+/// Smallest step of a converter relative to the largest excursion: that of 24 bits if the excursion
+/// uses a quarter of the range. Numbers with a smaller step were computed.
 const FINEST: f64 = 2e-7;
-/// Largest deviation of the outputs of a converter from multiples of its step, in steps: it allows
-/// for the rounding of calibration factors, over 22 bits.
+/// Largest deviation of the outputs of a converter from multiples of its step, in steps: an
+/// allowance for rounded calibration factors, a relative 2e-10 over 2²² steps.
 const ROUNDING: f64 = 1e-3;
 
 /// Returns the smallest nonzero difference between consecutive samples, in their unit: the step of
@@ -31,8 +32,8 @@ pub fn smallest_step(samples: &[f64]) -> f64 {
 /// first `n_rest` of the `samples`; `None` if the noise changes it, or if the samples are not
 /// multiples of a step.
 ///
-/// The rounding errors of such a record are not noise: they follow the signal and are the same in
-/// every hit.
+/// The rounding errors of a converter with so little noise are not noise: they follow the signal
+/// and are the same in every hit.
 pub(crate) fn step_above_noise(samples: ArrayView1<'_, f64>, n_rest: usize) -> Option<f64> {
     let rest = samples.iter().take(n_rest);
     let n_pairs = rest.len().checked_sub(1).filter(|pairs| *pairs > 0)?;
@@ -53,8 +54,8 @@ pub(crate) fn step_above_noise(samples: ArrayView1<'_, f64>, n_rest: usize) -> O
     are_multiples(&samples, step).then_some(step)
 }
 
-/// Returns true if all `samples` are multiples of `step` from the first of them, and the step is not
-/// so fine that any numbers would be.
+/// Returns true if the differences of all `samples` from the first are multiples of `step`, and the
+/// step is at least [`FINEST`]: with a finer step, any numbers could pass this test.
 pub(crate) fn are_multiples(samples: &[f64], step: f64) -> bool {
     let Some(level) = samples.first() else {
         return false;

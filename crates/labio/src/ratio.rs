@@ -94,7 +94,7 @@ pub struct ResponseRatio {
 
 impl ResponseRatio {
     /// Returns the ratio of `numerator` to `denominator` from several hits, or from one hit whose
-    /// first `n_silent` samples are before the blow.
+    /// first `n_silent` samples are before the impact.
     ///
     /// # Errors
     ///
@@ -147,20 +147,20 @@ impl ResponseRatio {
     }
 
     /// Returns the ratio from one shot, with a variance found from the first `n_silent` samples,
-    /// before the blow.
+    /// before the impact.
     ///
     /// ```math
     /// \mathrm{E}|\delta r|^2 = \frac{S_y + |r|^2S_x}{|x|^2},
     /// ```
     ///
-    /// where S are the energies of the noise predicted from the silence before the blow. The
+    /// where S are the energies of the noise predicted from the silence before the impact. The
     /// coherence of one hit is 1 and contains no information.
     ///
     /// # Validity
     ///
-    /// Valid for noise that is stationary and independent of the signal, but not for the noise of a
-    /// converter that hardly changes its output at rest, nor for a disturbance that comes with the
-    /// blow.
+    /// Valid for noise that is stationary and independent of the signal, but not for the rounding
+    /// of a converter whose output hardly changes at rest, nor for a disturbance that begins with
+    /// the impact.
     ///
     /// # Errors
     ///

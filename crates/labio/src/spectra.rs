@@ -61,7 +61,8 @@ struct AveragedTails {
 
 /// Mean square of the weights of the leakage, averaged over all samples: 3/8 in the last quarter.
 const NOISE_OF_THE_END: f64 = 3.0 / 32.0;
-/// Probability with which noise alone exceeds the error at the end of the record that counts.
+/// Probability below which noise alone does not explain the error of a line caused by the end of
+/// the record.
 const RARE: f64 = 0.01;
 
 impl AveragedSpectra {
@@ -253,19 +254,20 @@ impl AveragedSpectra {
     /// \epsilon = \frac{\lvert G_{x T_y} - H_1 G_{x T_x}\rvert}{\lvert G_{xy}\rvert} ,
     /// ```
     ///
-    /// less the contribution of noise, 3/32 of the relative variance of $`H_1`$. The square of the
-    /// error, divided by this contribution, has Fisher's distribution of 2 and $`2(n_e - 1)`$ degrees
-    /// of freedom if it is noise alone, and the error is 0 on a line on which noise reaches it with a
-    /// probability above 1 %. If no more lines exceed this level than chance permits, noise alone
-    /// must not exceed the error on any of the lines with more than this probability.
+    /// less the contribution of noise, 3/32 of the relative variance of $`H_1`$. If there is only
+    /// noise, the square of the error divided by this contribution has Fisher's distribution of 2
+    /// and $`2(n_e - 1)`$ degrees of freedom. The result is 0 on a line where noise alone reaches
+    /// the error with a probability above 1 %. If no more lines are below 1 % than chance permits,
+    /// this limit is 1 % for all lines together, that is 1 % divided by their number.
     ///
     /// # Validity
     ///
-    /// The result is the magnitude of the error, without its sign. An error that noise hides is at
-    /// most about three standard errors of the line for five averages, and one for thirty. On a line
-    /// away from resonances it is correct to a few per cent. At the peak of a resonance of decay
-    /// rate $`\delta`$ in a record of length $`T`$ it is 0.8 of the true error for
-    /// $`\delta T = 4.6`$ (a remainder of 1 %), and a larger part for shorter ringing.
+    /// The result is the magnitude of the error, without its sign. An error that is hidden by
+    /// noise, for which the result is 0, is at most about three standard errors of the line for
+    /// five averages, and about one standard error for thirty. On a line away from resonances the
+    /// result is correct to a few per cent. At the peak of a resonance of decay rate $`\delta`$ in
+    /// a record of length $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of
+    /// 1 %), and a larger part for shorter ringing.
     ///
     /// # Errors
     ///
@@ -288,7 +290,8 @@ impl AveragedSpectra {
         let crosses = self.cross_lines(input, output)?;
         let (inputs, outputs) = (self.auto_lines(input)?, self.auto_lines(output)?);
         let degrees = self.effective_averages - 1.0;
-        // square of the error, the part of it that is expected of noise, and its probability
+        // square of the error, its expected value if there is only noise, and the probability that
+        // noise alone reaches it
         let lines: Vec<(f64, f64, f64)> = (0..self.frequency_hz.len())
             .map(|line| {
                 let cross = crosses.at(line);

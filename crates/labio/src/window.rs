@@ -84,8 +84,7 @@ pub struct SampledWindow {
     /// Mean weight $`\sum w/N`$, by which the amplitude of a sine on a spectral line is multiplied:
     /// divide an amplitude by the coherent gain.
     pub coherent_gain: f64,
-    /// Mean squared weight $`\sum w^2/N`$, the energy gain: the factor on the level of stationary
-    /// noise.
+    /// Mean squared weight $`\sum w^2/N`$, by which the power of stationary noise is multiplied.
     pub power_gain: f64,
     /// Equivalent noise bandwidth in units of the line spacing, $`N\sum w^2/(\sum w)^2`$.
     pub noise_bandwidth_lines: f64,

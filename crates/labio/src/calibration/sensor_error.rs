@@ -11,7 +11,7 @@ pub struct SensorError {
 
 impl SensorError {
     /// Returns the uncertainties of the ratio of two independent sensors: the root sum of squares
-    /// of the relative gain uncertainties, and likewise of the delays.
+    /// of the relative gain uncertainties, and that of the delay uncertainties.
     #[must_use]
     pub fn combined(self, other: Self) -> Self {
         Self {
