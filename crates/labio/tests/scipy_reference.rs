@@ -137,7 +137,7 @@ fn spectra(report: &mut Claims) {
         report.check(
             Claim::new(
                 format!(
-                    "twelve averages by seven windows, three overlaps, three trends removed: {what}"
+                    "averaged spectra in twelve combinations of window, overlap and detrending: {what}"
                 ),
                 SCIPY,
             )

@@ -134,7 +134,7 @@ fn bias(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "bias that H1 and H2 state, if all missing coherence is noise on their channel",
+            "stated bias of H1 and H2 if all missing coherence is noise on the channel that biases them",
             "closed forms -a/(1 + a) and b of the noise that was added",
         )
         .within(0.01, "four standard errors of the coherence over 257 lines"),
@@ -184,7 +184,7 @@ fn random_errors(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "random error of |H1|, 20 hits, noise of 30 %: median of the errors that the lines state",
+            "random error of |H1|, 20 hits, noise of 30 %: median of the stated errors of the lines",
             BENDAT,
         )
         .expects(predicted, "1")
@@ -210,7 +210,7 @@ fn random_errors(report: &mut Claims) {
         .expects((2.0 * g2 / f64::from(HITS)).sqrt() * (1.0 - g2), "1")
         .within_part(
             0.13,
-            "first-order formula: the next order is (1 - γ²)/n of it; and four standard errors",
+            "next order of the formula, (1 - γ²)/n of the first, and four standard errors",
         ),
         || {
             let values = spectra()?.coherence("x", "y")?.values;

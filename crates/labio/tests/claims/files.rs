@@ -75,10 +75,10 @@ fn claims_hold() {
     let mut report = Claims::default();
     report.check(
         Claim::new(
-            "archive of arrays and texts of every width, byte order and order of memory",
+            "archive of arrays and texts of every width, byte order and memory order",
             "NumPy, fixtures/reference/npz",
         )
-        .expects(0.0, "of 13 entries that differ"),
+        .expects(0.0, "entries that differ, of 13"),
         || {
             let contents = Npz.read(SAVED, Strictness::Strict)?;
             let series = contents.series.iter();
@@ -96,7 +96,7 @@ fn claims_hold() {
             "MATLAB files, plain and compressed, of numbers, texts, structures and cells",
             "SciPy, fixtures/reference/mat5",
         )
-        .expects(0.0, "of 60 entries that differ"),
+        .expects(0.0, "entries that differ, of 60"),
         || {
             let [plain, packed] = [PLAIN, PACKED].map(|file| Mat5.read(file, Strictness::Strict));
             Ok(unlike(&said(&plain?), MATLAB) + unlike(&said(&packed?), MATLAB))

@@ -44,7 +44,7 @@ fn periodic(n: usize, p: i32) -> Vec<f64> {
 
 fn integrals(report: &mut Claims) {
     report.check(
-        Claim::new("integral of two sinusoids with an offset, and their derivative by its order 100, 64 and 65 samples", "closed form")
+        Claim::new("integral of two sinusoids with an offset, and derivative divided by its order of magnitude, 100; 64 and 65 samples", "closed form")
             .within(3e-14, "rounding"),
         || {
             worst([64, 65], |n| {
@@ -156,7 +156,7 @@ fn impulse_responses(report: &mut Claims) {
     let energy = |to: usize| (0..to).map(|i| two_modes(i).powi(2)).sum::<f64>();
     report.check(
         Claim::new(
-            "input late by 20 samples: fraction of the energy before its cause",
+            "input late by 20 samples: fraction of the energy before the impulse",
             "closed form: sum of squares",
         )
         .expects(energy(20) / energy(600), "1")
@@ -174,7 +174,7 @@ fn impulse_responses(report: &mut Claims) {
 fn kinds(report: &mut Claims) {
     report.check(
         Claim::new(
-            "accelerance is iω and impedance the reciprocal of a mobility",
+            "accelerance as iω times a mobility, and impedance as its reciprocal",
             "definition",
         )
         .within(2e-15, "rounding"),
@@ -276,7 +276,7 @@ fn rigid_bodies(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "apparent mass over 400 tests: squared error relative to the stated one",
+            "apparent mass over 400 tests: squared error relative to the stated variance",
             "definition of a standard error",
         )
         .expects(1.0, "1")

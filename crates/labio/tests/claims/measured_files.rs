@@ -44,7 +44,7 @@ fn report(data: Option<&Path>) -> Claims {
             .push(Check::of(claim.within(tolerance, why), ours));
     };
     check(
-        "files of nine folders, by the numbers read completely, read except for a named part, and refused",
+        "files of nine folders: numbers of files read completely, read except for a named part, and rejected",
         "counts that differ, of 27",
         0.0,
         (0.0, "exact"),

@@ -67,7 +67,7 @@ fn divided(arms: [f64; 4]) -> f64 {
 fn sheets(report: &mut Claims) {
     report.check(
         Claim::new(
-            "10 mV/g known to 3 % behind a gain of 10 known to 4 %: acceleration at 1 V and its uncertainty, relative",
+            "sensor of 10 mV/g known to 3 %, amplifier of gain 10 known to 4 %: acceleration at 1 V and its uncertainty, relative",
             "definition of standard gravity; independent errors add in squares",
         )
         .within(1e-15, "rounding"),
@@ -99,7 +99,7 @@ fn sheets(report: &mut Claims) {
     ];
     report.check(
         Claim::new(
-            "strain from the voltage of six layouts of a bridge, relative, to strains of a tenth",
+            "strain from the voltage of six layouts of a bridge, relative, up to strains of 0.1",
             "Ohm's law in both dividers",
         )
         .within(
@@ -155,7 +155,7 @@ fn recorders(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "tone of 30 Hz through an aperture of 7 ms: mean over it",
+            "mean of a tone of 30 Hz over an aperture of 7 ms",
             "closed form sin(πfT)/(πfT)",
         )
         .within(1e-13, "transform of 65536 lines"),
@@ -169,8 +169,8 @@ fn recorders(report: &mut Claims) {
     );
     report.check(
         Claim::new(
-            "white noise of 2e-6 per Hz to 5 kHz: mean square",
-            "density by band",
+            "white noise of density 2e-6 up to 5 kHz: mean square",
+            "density times bandwidth",
         )
         .expects(0.01, "m²/s⁴")
         .within_part(5.0 * 0.0032, "five standard errors √(2/n)"),

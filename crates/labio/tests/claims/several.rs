@@ -62,7 +62,7 @@ fn several_inputs(report: &mut Claims) {
     report.check(
         Claim::new(
             "three dependent inputs without noise: their gains",
-            "the gains",
+            "gains of the model",
         )
         .within(
             1e-13,
@@ -81,7 +81,7 @@ fn several_inputs(report: &mut Claims) {
     report.check(
         Claim::new(
             "three dependent inputs, noise on the output: multiple coherence, and partial coherence of the last",
-            "closed form of the model; the parts of the coherence in their order add up",
+            "closed form of the model; the shares of the inputs, in their order, sum to the multiple coherence",
         )
         .within(0.011, "four standard errors over 513 lines, and the bias q(1 - γ²)/n"),
         || {
@@ -131,7 +131,7 @@ fn merging(report: &mut Claims) {
             "closed form: noise powers of 1 and 10 give 10/11",
         )
         .expects(10.0 / 11.0, "1")
-        .within(0.05, "4/n that the estimated weights cost, and four standard errors of a ratio of like errors"),
+        .within(0.05, "4/n caused by the estimated weights, and four standard errors of a ratio of similar errors"),
         || {
             let test = |seed, noise| Ok::<_, Box<dyn Error + Send + Sync>>(noisy(seed, 2048, 20, 0.0, noise)?.h1("x", "y")?);
             let tests = [test(21, 0.01)?, test(22, 0.1)?];

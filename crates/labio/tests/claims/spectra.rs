@@ -24,7 +24,7 @@ fn claims_hold() {
 fn closed_forms(report: &mut Claims) {
     report.check(
         Claim::new(
-            "energy of 200 and 201 random samples by their lines, relative",
+            "energy of 200 and 201 random samples, summed over the lines, relative",
             "Parseval's theorem",
         )
         .within(5e-15, "rounding of 200 terms of one sign"),

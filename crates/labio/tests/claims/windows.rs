@@ -75,7 +75,7 @@ fn gains(report: &mut Claims) {
 fn overlap(report: &mut Claims) {
     report.check(
         Claim::new(
-            "segments overlapped by half: squared correlation, Hann and rectangular",
+            "segments that overlap by half: squared correlation, Hann and rectangular",
             "closed forms 1/36 and 1/4",
         )
         .within(5e-15, ROUNDING),
@@ -88,7 +88,7 @@ fn overlap(report: &mut Claims) {
     let k: f64 = 9.0;
     report.check(
         Claim::new(
-            "nine Hann segments overlapped by half count as",
+            "nine Hann segments that overlap by half: effective number",
             "Welch 1967: k/(1 + 2(1 - 1/k)/36)",
         )
         .expects(k / (1.0 + 2.0 * (1.0 - 1.0 / k) / 36.0), "averages")
