@@ -1,7 +1,7 @@
-//! Reading and writing records of the size that one hit has, and streaming of long ones.
+//! Reading and writing of records of the size of one hit, and streaming of long records.
 //!
-//! Their lower bounds are measured too: text by the numbers in it, parsed or printed one by one
-//! with the standard library, and binary formats by a copy of their bytes.
+//! Lower bounds of these times are measured too: for text, parsing or printing its numbers one by
+//! one with the standard library; for binary formats, copying the bytes.
 #![allow(
     clippy::unwrap_used,
     missing_docs,
@@ -26,7 +26,7 @@ use ndarray::Array2;
 
 const RATE_HZ: f64 = 51_200.0;
 
-/// One second of two channels, with all their digits.
+/// One second of two channels, whose samples have all digits of a double.
 fn hit() -> Contents {
     let axis = |label: &str, unit_text: &str| SeriesAxis {
         label: label.to_owned(),
@@ -60,7 +60,7 @@ fn written(writer: &dyn Writer, contents: &Contents) -> Vec<u8> {
     bytes
 }
 
-/// The same in the six decimals of LabVIEW.
+/// Text of a LabVIEW file with these contents, in six decimals.
 fn lvm(contents: &Contents) -> String {
     let mut text = "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nMulti_Headings\tNo\nX_Columns\tOne\n***End_of_Header***\t\n\nChannels\t2\nSamples\t51200\t51200\nX0\t0\t0\nDelta_X\t1.953125E-5\t1.953125E-5\n***End_of_Header***\nX_Value\tforce\tend A\tComment\n".to_owned();
     let Ordinate::Real(force) = &contents.series[0].ordinate else {
@@ -110,7 +110,7 @@ fn one_hit(criterion: &mut Criterion) {
     }
 }
 
-/// The fields of a text that are numbers.
+/// Returns the fields of a text that are numbers.
 fn numbers(bytes: &[u8]) -> Vec<&str> {
     let text = std::str::from_utf8(bytes).unwrap();
     let fields = text.split([',', '\t', '\n', ' ']);

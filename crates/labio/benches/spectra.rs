@@ -2,9 +2,9 @@
 //! on one thread.
 //!
 //! `welch`: 2^20 samples per channel in segments of 8192, Hann periodic, half overlap. `hits`: ten
-//! hits of 65 536 samples. Each has its bound beside it: the same number of real transforms of the
-//! same length, from samples that are copied to where the transform takes them. The number and the
-//! length of the hits vary in groups of their own.
+//! hits of 65 536 samples. A lower bound is measured with each: the same number of real transforms
+//! of the same length, including the copies of the samples into the buffer of the transform. Two
+//! further groups vary the number and the length of the hits.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -19,7 +19,7 @@ use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Welch, Windo
 use ndarray::Array2;
 use realfft::RealFftPlanner;
 
-/// Numbers without pattern, from a linear congruence.
+/// Pseudorandom number from a linear congruential generator.
 fn noise(state: &mut u64) -> f64 {
     *state = state
         .wrapping_mul(6364136223846793005)
@@ -27,7 +27,7 @@ fn noise(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
 }
 
-/// An input of noise and an output that is a filtered input with noise of its own.
+/// A record of white noise as input, and of the filtered input plus independent noise as output.
 fn record(n_samples: usize, state: &mut u64) -> Record {
     let mut samples = Array2::zeros((2, n_samples));
     let mut output = 0.0;
@@ -51,7 +51,7 @@ fn record(n_samples: usize, state: &mut u64) -> Record {
     .unwrap()
 }
 
-/// Makes `count` transforms of stretches of `length` samples of `record`.
+/// Returns a function that transforms `count` parts of `record` of `length` samples each.
 fn transforms(record: &Record, length: usize, count: usize) -> impl FnMut() + use<> {
     let samples: Vec<f64> = record.samples().iter().copied().collect();
     let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);

@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     println!(
-        "squared error over its estimated variance, mean of 20 to 5000 Hz: {:.2}; of n = 5 hits n/(n - 2) is expected",
+        "squared error divided by its estimated variance, mean from 20 to 5000 Hz: {:.2}; n/(n - 2) is expected for n = 5 hits",
         reduced_error(&accelerance).ok_or("one hit only")?
     );
 
@@ -74,14 +74,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         },
     )?;
     println!(
-        "weighed {MASS} kg; the lines from 40 to 200 Hz say {:.3} kg, standard error {:.3} kg",
+        "weighed mass {MASS} kg; mass from the lines of 40 to 200 Hz {:.3} kg, standard error {:.3} kg",
         completed.apparent_mass, completed.apparent_mass_standard_error
     );
     let mobility = completed.response.to_kind(ResponseKind::Mobility)?;
     let passivity = mobility.passivity(1e-3)?;
     let excited = passivity.frequency_hz.partition_point(|f| *f < 5000.0);
     println!(
-        "{} of the {excited} lines below 5 kHz are active beyond what chance does once in a thousand",
+        "{} of the {excited} lines below 5 kHz are active at a level of 0.1 %",
         passivity
             .active_lines()
             .filter(|line| *line < excited)

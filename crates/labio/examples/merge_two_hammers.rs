@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     println!("root mean square of the relative error, %");
     println!(
-        "       band, Hz      heavy      light   larger force   inverse variance   tests apart"
+        "       band, Hz      heavy      light   larger force   inverse variance   discrepancy"
     );
     for (from_hz, to_hz) in [
         (20.0, 100.0),
@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let body = RigidBody::new(MASS, 0.001)?;
     let completed = body.complete(&weighed.response, band)?;
     println!(
-        "weighed {MASS} kg; the lines from 40 to 200 Hz say {:.4} kg, standard error {:.4} kg",
+        "weighed mass {MASS} kg; mass from the lines of 40 to 200 Hz {:.4} kg, standard error {:.4} kg",
         completed.apparent_mass, completed.apparent_mass_standard_error
     );
 

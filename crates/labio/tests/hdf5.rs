@@ -146,7 +146,7 @@ fn coordinates_units_and_texts_come_with_the_series() {
     ] {
         assert_eq!(property(&matlab, key), value);
     }
-    // a file with complex series holds spectra, to which `fs` gives no times
+    // a file with complex series contains spectra: `fs` gives them no times
     assert_eq!(
         series(&matlab, "force").abscissa,
         Abscissa::Even {

@@ -1,4 +1,4 @@
-//! Every fault of a hit, made on purpose and found with its reason; also the measured records, if
+//! Faults of hits, each made on purpose and found with its reason; also the measured records, if
 //! they are available.
 
 #![allow(
@@ -7,7 +7,7 @@
     clippy::panic,
     clippy::float_cmp,
     clippy::indexing_slicing,
-    reason = "a test that cannot go on has failed, one that is skipped says so, and whole numbers are exact"
+    reason = "a failing test may panic, a skipped test prints a note, and whole numbers are exact"
 )]
 
 mod bars;

@@ -117,7 +117,8 @@ fn samples_without_an_aperture_are_those_of_the_history() {
     );
 }
 
-/// Mean over seeds of the periodogram of channel a at the lines `lines`, with a Hann window.
+/// Mean of the periodograms of channel a over records with different seeds, at the lines `lines`,
+/// with a Hann window.
 fn mean_periodogram(
     instrument: &Instrument,
     rate_hz: f64,
@@ -160,10 +161,11 @@ fn noise_has_its_density_within_the_spread_of_chi_square() {
         let found = mean_periodogram(&instrument, rate_hz, n, &lines, seeds);
         for (found, line) in found.into_iter().zip(lines) {
             let expected = spectrum.density(line as f64 * rate_hz / n as f64);
-            // A mean of m exponential deviates is χ² with 2m degrees over 2m: a relative spread of
-            // 1/√m, nearly Gaussian at 600; the tolerance for 33 lines is five of these. The window
-            // adds part of the neighbouring lines: for f⁻² at line 10 (1/3)·3/10², 1 %; below, less
-            // than 4 %.
+            // A mean of m exponential deviates has the distribution of χ² with 2m degrees of
+            // freedom divided by 2m: a relative standard deviation of 1/√m, nearly Gaussian for
+            // m = 600; the tolerance for 33 lines is five of these. The window adds a part of the
+            // neighbouring lines: for f⁻² at line 10 (1/3)·3/10², 1 %; on lower lines less than
+            // 4 %.
             let spread = 5.0 / (seeds as f64).sqrt();
             let leakage = if line < 10 { 0.07 } else { 0.01 };
             assert!(
@@ -228,7 +230,7 @@ fn gain_offset_and_resolution_are_what_they_say() {
         let t = k as f64 / 1000.0;
         assert!((record.channel("a").unwrap()[k] - (1.5 * t - 0.25)).abs() < 1e-16);
         let b = record.channel("b").unwrap()[k];
-        // the resolution is a sixty-fourth
+        // multiples of 1/64
         assert!((b - t).abs() <= 0.5 / 64.0 && (64.0 * b).fract() == 0.0);
     }
 }
@@ -295,8 +297,8 @@ fn an_overload_is_reported_and_every_stage_is_named() {
         panic!("{:?}", taken.saturations)
     };
     assert_eq!(channel, "a");
-    // |1.25 sin| > 1 for a fraction 1 - (2/π) asin(0.8) = 0.4097 of 400 samples, whole samples at
-    // four edges
+    // |1.25 sin| > 1 for a fraction 1 - (2/π) asin(0.8) = 0.4097 of 400 samples, rounded to whole
+    // samples at each edge
     assert!(
         (*n_samples as f64 - 0.4097 * 400.0).abs() <= 4.0,
         "{n_samples}"

@@ -171,7 +171,8 @@ fn both_byte_orders_are_read() {
     assert!(Mat5.recognises(&BIG.sample()[..128]));
 }
 
-/// A number below 1000 may be in kHz, and two numbers may contradict each other.
+/// A rate below 1000 Hz, which may be in kHz, is not used, and neither are two variables that
+/// contradict each other.
 #[test]
 fn a_variable_with_the_name_of_a_rate_gives_the_times() {
     let force = LITTLE.matrix(6, &[3, 1], "force", &[LITTLE.doubles(&[1.0, 2.0, 3.0])]);

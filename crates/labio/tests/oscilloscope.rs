@@ -89,7 +89,7 @@ fn all_samples_are_those_of_the_other_readers_to_the_bit() {
         ),
         ("Ch2; a", "A")
     );
-    // the same counts with a resolution of 256: 2 mA each
+    // one_byte.isf contains the upper bytes of the counts in two_bytes.isf, in steps of 2 mA
     let (Ordinate::Real(coarse), Ordinate::Real(fine)) = (
         &one_byte.ordinate,
         &format::read_bytes(file("two_bytes.isf")).unwrap().series[0].ordinate,

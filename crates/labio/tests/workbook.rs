@@ -207,7 +207,7 @@ fn what_holds_no_numbers_or_is_another_archive_is_refused() {
         format::read_bytes(&bytes),
         Err(LabioError::NoData { format: "xlsx" })
     ));
-    // two cells at the ends of a worksheet are two cells, not ten million million
+    // two cells in opposite corners of a worksheet do not take the memory of all cells between them
     let far = r#"<row r="1"><c r="A1"><v>1</v></c></row><row r="1048576"><c r="XFD1048576"><v>2</v></c></row>"#;
     let _ = format::read_bytes(&workbook(&[("far", far)]));
     // no memory is reserved for texts that a list only announces

@@ -115,8 +115,8 @@ fn stream(globals: &[u8], worksheets: &[(&str, Vec<u8>)]) -> Vec<u8> {
     [all, end, bodies].concat()
 }
 
-/// Texts, the second of which changes from one to two bytes per character where another record
-/// continues it, and has a run of another font.
+/// Records of texts; the second text is continued in another record, changes there from one to two
+/// bytes per character, and is partly in another font.
 fn texts() -> Vec<u8> {
     let first = b"\x09\x00\x00Time [ms]";
     let second = b"\x0a\x00\x08\x01\x00Force ";
@@ -131,7 +131,8 @@ fn texts() -> Vec<u8> {
     .concat()
 }
 
-/// Styles: a number, a date, a date of the laboratory, seconds in quotes.
+/// Records of four styles: a number, a built-in date, a date of its own format, and a number with
+/// the word seconds in quotes.
 fn styles() -> Vec<u8> {
     let display = |number: u16, text: &str| {
         let head = words(&[number, u16::try_from(text.len()).unwrap()]);
@@ -200,7 +201,7 @@ fn table(style: u16) -> Vec<u8> {
             &[&words(&[3, 1, 0])[..], &half.to_le_bytes()].concat(),
         ),
         number(3, 2, style, 1.797_693_134_862_315_7e308),
-        // a chart within the worksheet has cells of its own
+        // a chart in the worksheet, whose own cells must not be read
         [begin(0x20), number(3, 2, 0, 99.0), record(0x000a, &[])].concat(),
         pair(4, hundredth(75), hundredth(-1)),
         number(5, 1, 0, 1.0),

@@ -57,8 +57,8 @@ fn ringing(time: f64) -> f64 {
     MODES.iter().map(mode).sum()
 }
 
-/// Sum of the samples of the ringing times $`e^{-i\omega t}`$ \[1/kg\], two geometric series per
-/// mode; the first sample counts half.
+/// Sum over the samples of the ringing, each multiplied by $`e^{-i\omega t}`$ \[1/kg\]: two
+/// geometric series per mode. The first sample counts half.
 fn sampled_ringing(frequency_hz: f64) -> Complex64 {
     let omega = TAU * frequency_hz;
     let series = |residue: Complex64, pole: Complex64| {
@@ -73,7 +73,7 @@ fn sampled_ringing(frequency_hz: f64) -> Complex64 {
 }
 
 /// Jump of the velocity per impulse \[1/kg\], chosen so that the accelerance of the sampled body at
-/// 0 Hz is that of its mass.
+/// 0 Hz is the reciprocal of its mass.
 fn jump() -> f64 {
     1.0 / MASS - sampled_ringing(0.0).re
 }

@@ -119,17 +119,17 @@ fn settings_supply_the_units_of_named_columns() {
     let row = |k| format!("{},{},{}", time(k), volts(0, k), volts(1, k));
     let contents = expect_gauges(&table(tektronix, row), &["CH1 [V]", "CH2 [V]"], "s");
     assert_eq!(property(&contents.properties, "Model"), Some("MDO3014"));
-    // an interval that the times contradict
+    // the stated interval contradicts the times
     let other = tektronix.replace("4e-06", "4e-10");
     let said = read(table(&other, row)).unwrap_err().to_string();
     assert!(said.contains("half a step of 4e-10"), "{said}");
-    // Siglent: the heading of the times states their unit, the settings that of the screen
+    // Siglent: the heading of the times states their unit, the settings that of the display
     let siglent = "Record Length,Analog:40,\nSample Interval,Analog:4.000000E-06,\nVertical Units,CH1:V,,\nHorizontal Units,us,\nModel Number,SDS1104X-U,\nSource,CH1\nSecond,Value\n";
     let row = |k| format!("{},{}", time(k), volts(0, k));
     expect_gauges(&table(siglent, row), &["Value [V]"], "s");
     let siglent = "Record Length,Analog:40\nSample Rate,250000.0\nVertical Scale,CH1: 0.05\nHorizontal Scale, 0.000010000\nSecond,Volt\n";
     expect_gauges(&table(siglent, row), &[" [Volt]"], "Second");
-    // an interval in another unit than the times
+    // the stated interval is in another unit than the times
     let row = |k: u32| format!("{},{}", 4 * i64::from(k) - 40, volts(0, k));
     let text = table("Sample Interval,4e-06,s\ntime [us],CH1 [V]\n", row);
     assert_eq!(read(text).unwrap().series[0].abscissa, even(-40.0, 4.0));
@@ -216,7 +216,7 @@ fn marks_of_lost_samples_are_no_numbers() {
             together.left_out[0]
         );
     }
-    // words that mark nothing
+    // texts that are not marks of lost samples
     for mark in ["---", "overload!", "1.#", "9.9E37V"] {
         let said = read(text(mark)).unwrap_err().to_string();
         assert!(

@@ -112,7 +112,7 @@ fn r18_names_above_numbers_between_blanks_keep_their_units() {
         let expected: Vec<f64> = (0..200).map(|k| 0.25 * pulse(k)).collect();
         assert_eq!(real(&contents, 1), expected);
     }
-    // a name without a unit next to a name with a unit
+    // a column with a unit and a column without a unit
     let contents = read("# time [ms] count\n0 1\n1 5\n2 7\n").unwrap();
     assert_eq!(names(&contents), ["count []"]);
     assert_eq!(contents.series[0].abscissa_axis.unit_text, "ms");
@@ -125,7 +125,7 @@ fn single_precision(separator: &str, header: &str, n: usize, rate_hz: f64, start
     for k in 0..n {
         #[expect(
             clippy::cast_possible_truncation,
-            reason = "single precision is what is tested"
+            reason = "the test needs times in single precision"
         )]
         let time = f64::from((start + k as f64 / rate_hz) as f32);
         file += &format!("{time:e}{separator}{:e}\n", pulse(k % 300));
@@ -145,7 +145,7 @@ fn r18_times_of_single_precision_take_a_stated_rate() {
         let steps_differ = read(&file)
             .map(|contents| !matches!(contents.series[0].abscissa, Abscissa::Even { step, .. } if step < 0.5))
             .unwrap();
-        assert!(steps_differ, "the times tell their step by themselves");
+        assert!(steps_differ, "the times alone must not determine the step");
         let contents = labio::format::read_bytes_at(file.as_bytes(), rate_hz).unwrap();
         let series = &contents.series[0];
         let Abscissa::Even { start: found, step } = series.abscissa else {

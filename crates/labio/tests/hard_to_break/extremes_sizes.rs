@@ -83,7 +83,8 @@ fn ten_million_samples() {
 
     let row = long.channel(INPUT).unwrap().to_vec();
     let impulse = integrate(&row, 1e6, LowFrequency::AtRest { n_samples: 3 }).unwrap();
-    // a hundred half sines of 2/π 100 N 100 µs, on a floor whose mean is used as the zero
+    // a hundred half sines, each with the impulse 2/π · 100 N · 100 µs; the mean of the floor is
+    // removed as an offset
     let expected = 100.0 * 2.0 / std::f64::consts::PI * 100.0 * 100e-6;
     assert!(
         (impulse[N - 1] / expected - 1.0).abs() < 1e-3,
@@ -143,7 +144,8 @@ fn lengths_that_no_memory_holds_are_refused() {
     }
 }
 
-/// The blow itself was lost: the report must state more than the missing trigger.
+/// If samples of the impact were lost, the reasons must state this, and not only that the trigger
+/// did not fire.
 #[test]
 fn lost_samples_of_an_untriggered_stream_are_told() {
     let trigger = Trigger::new(INPUT, 0.5, Extent::Samples(4)).unwrap();

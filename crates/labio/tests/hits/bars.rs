@@ -16,7 +16,8 @@ fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
     let mut time = 2000.0;
     for passage in 0..passages {
         let sign = if passage % 2 == 0 { -1.0 } else { 1.0 };
-        // the first passage may be the smallest, as when a specimen transmits little at first
+        // the first passage may be the smallest, for example behind a specimen that transmits
+        // little of it
         let height = if passage == 0 {
             least
         } else {
@@ -65,7 +66,7 @@ fn r17_waves_in_a_bar_are_not_judged_as_hits_of_a_hammer() {
             let reasons = judged(&Criteria::bar(), noise, 2, least);
             assert_eq!(reasons, [], "noise {noise}, first {least}");
         }
-        // a record transformed as a whole must have come to rest
+        // criteria for a record that is transformed as a whole: the bar must have come to rest
         let reasons = judged(&Criteria::bar(), noise, 9, 1.05);
         assert!(
             reasons.iter().any(|reason| matches!(reason,
@@ -91,7 +92,7 @@ fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
             "{reasons:?}"
         );
     }
-    // an accelerometer has no plateau
+    // an acceleration has no plateau, so equal samples may be clipping
     let quiet: Vec<f64> = bar_gauge(0.0, 2, 1.05);
     let record = gauge_record(quiet, Quantity::Acceleration);
     let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
@@ -101,8 +102,8 @@ fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
     );
 }
 
-/// Three equal samples at the crest, in noise of four steps: with a flank on one side they are
-/// chance, between two steep flanks a limit.
+/// Three equal samples at the crest, in noise of four converter steps: with a steep flank on one
+/// side only they are not clipping, between two steep flanks they are.
 #[test]
 fn r17_three_equal_samples_between_noise_are_no_limit() {
     let mut rng = Noise::seeded(5);
@@ -125,8 +126,8 @@ fn r17_three_equal_samples_between_noise_are_no_limit() {
     }
 }
 
-/// A limit cuts two samples off a steep front, in noise without steps. In a record of which every
-/// sample is stored twice, two equal samples are no evidence.
+/// A limit cuts off two samples of a steep front, in a record whose noise has no steps: two equal
+/// samples are clipping. In a record in which every sample is stored twice, they are not.
 #[test]
 fn two_equal_samples_of_a_front_are_a_limit() {
     let mut rng = Noise::seeded(6);

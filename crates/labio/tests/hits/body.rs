@@ -3,8 +3,8 @@
 use super::*;
 
 /// A free body of 2 kg with modes of 310, 640 and 1130 Hz, struck by a squared sine with a peak of
-/// 0.1 kN and a duration of 1.2 ms. Its motion is integrated in time and
-/// compared with the closed form in frequency.
+/// 0.1 kN and a duration of 1.2 ms. Its motion is integrated in time and compared with the closed
+/// form in frequency.
 pub(super) struct Body {
     /// Decay rate of the modes \[1/s\].
     pub(super) decay: f64,

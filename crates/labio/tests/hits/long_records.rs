@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Five contacts in one record: two good ones, a double one, and one cut off at each end.
+/// Five hits in one record: two good hits, a double hit, and a hit cut off at each end.
 fn long_record() -> Record {
     let n = 60_000;
     let mut rng = Noise::seeded(8);
@@ -160,7 +160,7 @@ fn a_stream_that_marks_lost_samples_loses_only_that_hit() {
     let log =
         find_hits_in_blocks(&mut source, &provenance, &trigger(), &Criteria::default()).unwrap();
     assert_eq!(log.accepted().count(), 1);
-    // the hit begins at 10 002 - 400
+    // sample 10 100 of the record, in a hit that begins at sample 10 002 - 400
     assert_eq!(
         log.hits()[1].reasons(),
         [Reason::NonFinite {

@@ -3,8 +3,8 @@
 use super::body::{Body, record_of};
 use super::*;
 
-/// Spectra of hits without their level at rest, completed, under an exponential window if one is
-/// stated.
+/// Spectra of `hits` minus their level at rest, completed by the motion after the record, under an
+/// exponential window if one is stated.
 fn completed(hits: &[Record], window: Option<AddedDamping>) -> AveragedSpectra {
     let all: Vec<&Record> = hits.iter().collect();
     let n_samples = samples_at_rest(&all, &[FORCE, "motion"]).unwrap().unwrap();
@@ -20,7 +20,7 @@ fn completed(hits: &[Record], window: Option<AddedDamping>) -> AveragedSpectra {
     averager.spectra().unwrap()
 }
 
-/// Lines above 0 Hz and below 1.2 kHz, the band in which the blow has force.
+/// Lines above 0 Hz and below 1.2 kHz, the band that the impact excites.
 fn band(response: &FrequencyResponse) -> impl Iterator<Item = usize> {
     let n = response.frequency_hz.partition_point(|f| *f < 1200.0);
     1..n
@@ -64,10 +64,10 @@ fn s1_a_free_body_that_moves_on_has_the_response_it_has_within_its_errors() {
                 first_exists,
                 "{quantity:?}"
             );
-            // |error|² over its estimate of ten hits is about F(2, 18), mean 1.25 to 1.4 with the
-            // estimate of n - 1 of n; a bias adds to it.
-            // Beyond 6 lie (1 + 6/9)^-9 = 1 % of the lines; the completion is common to
-            // neighbouring lines, which doubles it at most
+            // |error|² divided by its variance from ten hits has about the distribution F(2, 18).
+            // Its mean is 1.25 to 1.4, because the response is estimated from the same hits; a bias
+            // adds to it. It exceeds 6 on (1 + 6/9)^-9 = 1 % of the lines; the error of the
+            // completion is common to neighbouring lines, which at most doubles this part
             let (mean, beyond) = (squares / n, beyond / n);
             assert!(
                 mean < 1.6 && beyond < 0.025,
@@ -111,7 +111,7 @@ fn s7_the_end_of_the_record_is_judged_under_the_exponential_window() {
     let judge = |criteria: Criteria| criteria.judge(hit, FORCE, None).unwrap();
     let weighed = Criteria::default().with_end_weight(1e-3).unwrap();
     assert_eq!(judge(weighed), []);
-    // a window under which 5 % of the motion is left at the end is not sufficient
+    // a window that leaves 5 % of the motion at the end is not sufficient
     let little = Criteria::default().with_end_weight(0.2).unwrap();
     assert!(matches!(judge(little)[..], [Reason::NotDecayed { .. }]));
     let by_rate = AddedDamping::to_end_weight(1e-3, hit.duration()).unwrap();
@@ -160,15 +160,15 @@ fn s7_what_the_end_of_the_record_cuts_off_is_stated_line_by_line() {
                 n += 1.0;
             }
         }
-        // the error is caused by the end of the record, and its estimate is correct to a third or,
-        // with a slope at the end, which the tapered end determines less well, to a factor of two;
-        // 95 % of the lines are within twice the combined errors
+        // the stated error is correct to a third or, if the motion has a slope at the end, which
+        // the tapered end determines less well, to a factor of two; 95 % of the lines are within
+        // twice the combined errors
         let ratio = (stated / squares).sqrt();
         assert!((0.67..2.0).contains(&ratio), "{quantity:?}: {ratio}");
         assert!(within / n > 0.95);
         assert!(
             n > 100.0 && random < 0.1 * stated,
-            "the end is what is tested here: {n}"
+            "the end of the record must cause most of the error: {n} lines"
         );
     }
 }

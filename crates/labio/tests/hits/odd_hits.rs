@@ -1,10 +1,10 @@
-//! Clipped peaks, and a hit that differs from the others.
+//! Clipped peaks, and hits that differ from the others.
 
 use super::body::{Body, record_of};
 use super::*;
 
-/// Returns the record rounded by a converter of `bits` bits over ± each of `ranges`, and clipped
-/// there.
+/// Returns the record as recorded by converters of `bits` bits, one for each channel, whose ranges
+/// are plus and minus `ranges`: rounded and clipped.
 fn converted(record: &Record, bits: i32, ranges: [f64; 2]) -> Record {
     let samples = Array2::from_shape_fn((2, record.n_samples()), |(channel, k)| {
         let range = ranges[channel];
@@ -51,7 +51,7 @@ fn s10_short_peaks_at_a_limit_are_clipped_and_right_ones_are_not() {
             !found.is_empty() && found.iter().all(|(_, reason)| clipped(reason)),
             "{found:?}"
         );
-        // one sample of each force is at the limit, which shows only in all five hits together
+        // one sample of each force is at the limit, which is found only from all five hits together
         let force = judge(16, [0.8, 1.3]);
         assert!(
             force.iter().any(|(_, reason)| !clipped(reason)),
@@ -59,7 +59,7 @@ fn s10_short_peaks_at_a_limit_are_clipped_and_right_ones_are_not() {
         );
     }
     // at most one hit in a hundred is rejected
-    assert!(accused <= 8, "{accused} of 800 right hits");
+    assert!(accused <= 8, "{accused} of 800 correct hits are rejected");
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
     assert_eq!(
         accused,
         [0, 0],
-        "tests of 30 with 4, 6 or 10 right hits, for each noise"
+        "correct hits that are rejected, for each noise, in 30 tests of 4, 6 or 10 hits"
     );
     for quantity in [Quantity::Acceleration, Quantity::Velocity] {
         let body = Body {

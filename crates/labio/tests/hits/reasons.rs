@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn a_good_hit_is_accepted_with_its_noise_and_ringing() {
     assert_eq!(reasons(&hit(|_, _, _, _| {})), []);
-    // the same hit from the other side
+    // the same hit with both signs reversed
     assert_eq!(reasons(&hit(|_, _, f, a| (*f, *a) = (-*f, -*a))), []);
 }
 
@@ -68,8 +68,8 @@ fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
         let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
         *f = (80.0 * contact(t)).min(40.0).round();
     });
-    // sin = 1/2 with a slope of 1.1 steps per sample: a slow cut in such coarse steps cannot be
-    // distinguished from a flat top
+    // `cut` is limited at sin = 1/2, where the slope is 1.1 steps per sample: it cannot be
+    // distinguished from a flat top, unlike the same limit on a fast contact
     let fast_cut = hit(|_, _, f, _| *f = f.min(40.0).round());
     assert!(matches!(only(&fast_cut), Reason::Clipped { .. }));
     let known = Criteria::default().with_full_scale(FORCE, 40.0).unwrap();
@@ -77,7 +77,7 @@ fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
     let [Reason::Overload { n_samples, .. }] = found.as_slice() else {
         panic!("expected an overload: {found:?}")
     };
-    // asin(39.5/80) = 0.517 rad: 33 samples of 200 on either side are below
+    // asin(39.5/80) = 0.517 rad: of the 200 samples, 33 on each side are below the limit
     assert_eq!(*n_samples, 200 - 2 * 33 + 1);
 }
 
@@ -129,17 +129,17 @@ fn levels_before_and_after_must_agree() {
     let Reason::LevelShift { before, after, .. } = only(&record) else {
         panic!("expected a level shift")
     };
-    // medians of 500 and 1000 samples of noise 0.2
+    // medians of 500 and 1000 samples with noise of standard deviation 0.2
     assert!(before.abs() < 0.05 && (after - 12.0).abs() < 0.05);
-    // 2 % of 400 is 8
+    // the limit is 2 % of the peak of 400, that is 8
     assert_eq!(
         reasons(&hit(|k, _, _, a| *a += if k > 700 { 7.0 } else { 0.0 })),
         []
     );
 }
 
-/// A short pulse in every tenth sample, with a mean of 0 and a median 2.5 % of the peak below the
-/// level: the body still moves, but its level has not shifted.
+/// A motion with a pulse in every tenth sample, whose mean is 0 and whose median is 2.5 % of the
+/// peak below the level: the body still moves, but its level has not shifted.
 #[test]
 fn the_median_of_a_motion_that_goes_on_is_no_level_shift() {
     let record = hit(|k, _, _, a| {
@@ -148,7 +148,8 @@ fn the_median_of_a_motion_that_goes_on_is_no_level_shift() {
         }
     });
     assert!(matches!(only(&record), Reason::NotDecayed { .. }));
-    // the remainder of 30 is 0.1 % of that under such a window, 0.03 of 400
+    // a window with a weight of 1e-3 at the end reduces the remainder of 30 to 0.03; the peak is
+    // 400
     let weighed = Criteria::default().with_end_weight(1e-3).unwrap();
     assert_eq!(weighed.judge(&record, FORCE, None).unwrap(), []);
     // the same motion about a level that shifts by 12, 3 % of the peak
@@ -166,7 +167,7 @@ fn the_median_of_a_motion_that_goes_on_is_no_level_shift() {
 
 #[test]
 fn a_channel_that_rests_far_from_zero_is_refused() {
-    // like the documented failure of a shock test: an amplifier that recovers from 140 000
+    // an amplifier that recovers from 140 000, as in a documented failure of a shock test
     let record = hit(|k, _, _, a| *a = *a * 100.0 + 140_000.0 * (-(k as f64) / 3000.0).exp());
     let found = reasons(&record);
     assert!(matches!(found[0], Reason::StaticOffset { .. }), "{found:?}");
@@ -181,8 +182,8 @@ fn a_channel_that_rests_far_from_zero_is_refused() {
 
 #[test]
 fn a_signal_must_be_over_at_the_end() {
-    // a decay of 0.05 s over 0.95 s leaves nothing; one of 0.5 s leaves 400·exp(-1.8)/√2 on average
-    // over the last tenth
+    // after 0.95 s, a decay with a time constant of 0.05 s leaves nothing; one of 0.5 s leaves
+    // 400·exp(-1.8)/√2 as the root mean square of the last tenth
     let record = hit(|_, t, _, a| {
         if t > 0.0 {
             *a = 400.0 * (-t / 0.5).exp() * (TAU * 700.0 * t).sin();
@@ -241,10 +242,10 @@ fn a_record_that_begins_too_late_is_refused() {
         *f = sample.map_or(0.0, |(f, _)| *f) + *f * 1e-3;
     };
     let short = hit(steep).part(ONSET - 3..N).unwrap();
-    // of the eight samples needed, three and the zero at which the pulse begins exist
+    // of the eight samples needed, there are four: three before the pulse and its first, which is 0
     assert_eq!(reasons(&short), [Reason::CutAtStart { missing: 4 }]);
-    // a record that begins within the contact has no rest level: the level used instead differs
-    // from the level at the end
+    // a record that begins within the contact has no rest level: the level of its first samples is
+    // used, which differs from the level at the end
     let late = hit(|_, _, _, _| {}).part(ONSET + 5..N).unwrap();
     let found = reasons(&late);
     assert!(

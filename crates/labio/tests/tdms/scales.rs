@@ -60,7 +60,7 @@ fn scales_make_quantities_of_numbers() {
         assert_eq!(of_integers(&of(1, &[coefficients(size)])), expected);
     }
 
-    // each scale after the one before it, and the last scale with the raw numbers as input
+    // the input of the last scale is the previous scale or the raw numbers
     for (source, expected) in [(1, [21.0, 27.0, 33.0]), (u32::MAX, [6.0, 9.0, 12.0])] {
         let chain = [
             linear(0, 1.0, 1.0, Some(u32::MAX)),
@@ -129,7 +129,7 @@ fn two_scalers_of_a_channel_are_added_or_subtracted() {
         ];
         assert_eq!(scaled(&raw_index, &properties, &raw).unwrap(), expected);
     }
-    // a single scale, which is the scaler itself
+    // a single scale, which is that of the scaler itself
     let one = daqmx(3, &[[5, 0, 0, 0]], &[4]);
     assert_eq!(
         scaled(&one, &[index("NI_Number_Of_Scales", 1)], &u32s(&[7, 8, 9])).unwrap(),

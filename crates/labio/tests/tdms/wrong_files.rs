@@ -131,7 +131,7 @@ fn a_recording_that_was_cut_off_gives_what_is_there() {
         all_values(&file),
         named(&[("a", &[1.0, 2.0]), ("b", &[0.1])])
     );
-    // the same holds for interleaved rows
+    // the same applies to interleaved rows
     let mut rows = segment(USUAL | INTERLEAVED, &objects[..1], &i16s(&[1, 2, 3]));
     rows[12..20].fill(0xff);
     assert_eq!(all_values(&rows), named(&[("a", &[1.0, 2.0, 3.0])]));

@@ -135,7 +135,7 @@ proptest! {
         let read = only_series(&file);
         assert_same_text(&read, &series)?;
         prop_assert_eq!(bits(&read), bits(&series));
-        // the properties request the same file again
+        // the properties of the series that was read give the same file again
         prop_assert_eq!(written(&read, Encoding::AsRead, Precision::AsRead), file);
     }
 
@@ -159,7 +159,7 @@ proptest! {
         let read = only_series(&file);
         assert_same_text(&read, &series)?;
         prop_assert_eq!(read.ordinate.len(), series.ordinate.len());
-        // the values agree in all of their 13 or 6 written digits; an abscissa next to them has 6
+        // the values agree in all of their 13 or 6 written digits
         let digits = if single { 5 } else { 12 };
         let text = |series: &Series| match &series.ordinate {
             Ordinate::Real(values) => values.iter().map(|x| format!("{x:.digits$e}")).collect::<Vec<_>>(),

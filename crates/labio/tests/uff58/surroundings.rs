@@ -57,7 +57,7 @@ fn units_and_nodes_complete_a_function() {
         Some("0 0 0 m")
     );
 
-    // the data sets of units and nodes after the functions, and a function without a denominator
+    // the data sets of units and nodes follow the function, and the function has no denominator
     let (before, functions) = BY_PYUFF.split_at(BY_PYUFF.find("    -1\n    58").unwrap());
     let turned = format!("{functions}{before}").replace("        13 ", "         0 ");
     let contents = strict(turned.as_bytes()).unwrap();
@@ -76,7 +76,7 @@ fn units_that_contradict_or_are_stated_are_not_replaced() {
     assert!(unit(&BY_PYUFF.replace("1.0000000000000000D+03", "1.0000000000000000D+00")).is_none());
     // a unit system defined by the user
     assert!(unit(&BY_PYUFF.replace("        10  ", "         9  ")).is_none());
-    // texts of units in the function itself
+    // the function itself has texts of units
     let stated = BY_PYUFF
         .replace(
             "        12    0    0    0 NONE                 NONE",
@@ -87,7 +87,7 @@ fn units_that_contradict_or_are_stated_are_not_replaced() {
             "        13    0    0    0 NONE                 kN",
         );
     assert!((unit(&stated).unwrap().scale() / 9.80665e-3 - 1.0).abs() < 1e-12);
-    // a reference without a node, and nodes without units
+    // nodes without units
     let (_, nodes) = BY_PYUFF.split_at(BY_PYUFF.find("    -1\n    15").unwrap());
     let contents = strict(nodes.as_bytes()).unwrap();
     assert_eq!(
