@@ -116,7 +116,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let parameter = found
         .parameter
         .as_ref()
-        .ok_or("a regularisation was asked for")?;
+        .ok_or("the force has no regularisation parameter")?;
     println!(
         "peak {:.1} N (true: {} N), {:.1} N by division; parameter {:.3e}, {:?}",
         found.history.peak().force,

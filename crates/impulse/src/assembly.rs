@@ -34,8 +34,8 @@ impl Point {
     }
 }
 
-/// A joint between two points: rigid, or a spring and a dashpot in parallel. It bears compression
-/// and tension.
+/// A joint between two points: rigid, or a spring and a dashpot in parallel. It transmits
+/// compression and tension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     between: [Point; 2],
@@ -102,7 +102,7 @@ impl Coupling {
     }
 
     /// Returns the mobility at infinite frequency; `None` for a spring without a dashpot, which
-    /// bears no force there.
+    /// transmits no force there.
     fn mobility_of_front(&self) -> Option<f64> {
         match *self {
             Self::Rigid => Some(0.0),
@@ -126,7 +126,7 @@ impl Coupling {
 ///
 /// # Validity
 ///
-/// The joints bear tension. The mobility of the assembly is known where the mobilities of all
+/// The joints transmit tension. The mobility of the assembly is known where the mobilities of all
 /// members are known. If a member is known on lines, the free vibrations of the assembly must decay
 /// within a period of the lines, and time marching needs a known front impedance at the struck
 /// point.
@@ -233,7 +233,7 @@ impl Assembly {
     }
 
     /// Returns the mobility of the struck point, from the mobilities of the members, which
-    /// `of_member` writes, and of the joints; a joint with `None` bears no force.
+    /// `of_member` writes, and of the joints; a joint with `None` has no force.
     #[allow(
         clippy::indexing_slicing,
         reason = "the mobilities are those of `Incidence`, and the matrix has one row per joint and one more"
@@ -280,7 +280,7 @@ impl Assembly {
             }
             Ok(())
         };
-        // only joints at the struck point share its front
+        // only joints at the struck point change its front impedance
         let at_face = |rows: &[usize; 2], coupling: &Coupling| {
             let mobility = coupling.mobility_of_front()?;
             rows.contains(&self.face).then_some(mobility.into())

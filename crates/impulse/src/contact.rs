@@ -96,7 +96,7 @@ pub fn separate(stick: &ForceHistory, threshold: f64) -> Result<ImpactForce, Imp
     let (kept, end) = match contact.iter().position(|&force| force < -threshold) {
         None => (contact.len(), ContactEnd::InContact),
         Some(negative) => {
-            // the contact begins with a positive sample, so that one precedes a negative one
+            // the first sample of the contact is positive, so a negative sample is never the first
             let before = contact.get(..negative).unwrap_or_default();
             let last = before.iter().rposition(|&force| force >= 0.0).unwrap_or(0);
             let fraction = match contact.get(last..) {
@@ -169,7 +169,7 @@ mod tests {
         let force = vec![0.0, 0.0, 4.0, 2.0, -2.0, 0.0, 0.0, 0.0];
         let stick = ForceHistory::new(-1.0, 0.5, force).unwrap();
         let impact = separate(&stick, 0.0).unwrap();
-        // from 0 to 0.75 s
+        // the contact lasts from 0 to 0.75 s
         assert_eq!(impact.end, ContactEnd::Separated { time: 0.75 });
         assert_eq!(impact.span(0.5), 1..6);
         assert_eq!(impact.span(9.0), 0..8);

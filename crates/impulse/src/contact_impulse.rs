@@ -12,8 +12,8 @@ const AHEAD: f64 = 10.0;
 pub struct ContactImpulse {
     /// The impulse without a band limit \[N s\]; that in the band if the extrapolation is unknown.
     pub impulse: f64,
-    /// Standard error of the extrapolation \[N s\]; `None` if the lines are fewer than five, or the
-    /// faces do not part in half of the band.
+    /// Standard error of the extrapolation \[N s\]; `None` if there are fewer than five lines, or
+    /// the faces do not part in half of the band.
     pub by_band: Option<f64>,
 }
 
@@ -158,7 +158,7 @@ mod tests {
             "{found:?} {expected}"
         );
         assert!(error < 1e-4 * expected);
-        // no contact above the threshold, and a band of four lines
+        // no force exceeds the threshold; a band of three lines is accepted
         assert_eq!(problem.contact_impulse(1e9).unwrap(), None);
         let few = StickProblem {
             first: &first[..3],

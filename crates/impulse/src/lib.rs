@@ -95,7 +95,7 @@
 //!     assert!((history.force()[sample] / exact - 1.0).abs() < 1e-6);
 //! }
 //!
-//! // what rings below 1 % of the peak is no sign of separation: the mass stays on the rod until its momentum has gone
+//! // ringing below 1 % of the peak is not a separation: the mass stays on the rod until it has no momentum left
 //! let impact = separate(history, 0.01 * impedance * velocity)?;
 //! assert_eq!(impact.end, ContactEnd::InContact);
 //! assert!((impact.history.impulse() / (mass * velocity) - 1.0).abs() < 1e-3);

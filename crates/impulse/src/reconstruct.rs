@@ -428,8 +428,8 @@ impl<'a> Reconstruction<'a> {
             let lost = lines.lost(filter, self.penalty(), value);
             let mean = lines.power.first().zip(force.first());
             return Ok(Solved {
-                // under a window all lines contribute to the impulse, with the noise of the end of
-                // the record
+                // unknown under a window: all lines would contribute to the impulse, with the noise
+                // at the end of the record
                 impulse: mean
                     .filter(|(power, _)| **power > 0.0 && transformed.shift.is_none())
                     .map(|(_, mean)| mean.re * n_samples as f64 * time_step),

@@ -40,7 +40,7 @@ struct Piece {
 /// An impact computed by both methods.
 struct Both {
     predicted: Prediction,
-    /// Force by the line \[N\].
+    /// Force from `rodwave::line` \[N\].
     by_line: Vec<f64>,
     /// Time step \[s\].
     step: f64,
@@ -51,7 +51,7 @@ fn claims_hold() {
     let mut claims = Claims::default();
     let claims = &mut claims;
     claims.by("method of characteristics in the time domain, rodwave::line");
-    // transit times in whole microseconds: the line then changes no wave speed
+    // transit times in whole microseconds, so that `Line` adjusts no wave speed
     let steel = 1e-6 * wave_speed();
     let zener = 1e-6 * (UNRELAXED / DENSITY).sqrt();
     let piece = |material, length, diameter| Piece {
@@ -77,7 +77,7 @@ fn claims_hold() {
         of(&found, |found| largest(found.iter().map(away_from_jumps))),
     );
     claims.deviation(
-        "Zener rod, and light head before a heavy tail, on a steel rod: impulse over that by the line, minus 1",
+        "Zener rod, and light head before a heavy tail, on a steel rod: impulse over that of `rodwave::line`, minus 1",
         Within(2e-6, "half a sample of the lowest force at each parting"),
         of(&found, |found| {
             let by_line = |both: &Both| both.by_line.iter().sum::<f64>() * both.step;
@@ -177,7 +177,7 @@ fn away_from_jumps(both: &Both) -> f64 {
     };
     let all = found.len().min(reference.len());
     let compared: Vec<usize> = (0..all).filter(smooth).collect();
-    // five samples for each echo of a short head, one every 10 us of 1.2 ms
+    // five samples are left out for each echo; the short head has one every 10 us of the 1.2 ms
     assert!(all - compared.len() < 600, "{} of {all}", compared.len());
     largest(
         compared

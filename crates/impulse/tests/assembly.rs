@@ -174,7 +174,7 @@ fn between_samples(history: &ForceHistory, time: f64) -> f64 {
 #[test]
 fn three_rods_in_a_row_are_those_of_a_line() {
     let speed = (MODULUS / DENSITY).sqrt();
-    // transit times in whole microseconds: the line then changes no wave speed
+    // transit times in whole microseconds, so that `Line` adjusts no wave speed
     let lengths = [150e-6, 20e-6, 60e-6].map(|time| speed * time);
     let diameters = [0.030, 0.030, 0.015];
     let (duration, velocity) = (1.5e-3, 8.0);
@@ -284,7 +284,7 @@ fn a_measured_member_is_the_computed_one() {
         (limited.smooth_peak().force, force.balance().impulse)
     };
     let (by_lines, computed) = (peak(&joined), peak(&chain));
-    // the lines end at 25.6 kHz, above which the front stands for the body
+    // the lines end at 25.6 kHz, above which the front impedance replaces the mobility
     assert!(
         (by_lines.0 / computed.0 - 1.0).abs() < 2e-3,
         "{by_lines:?} {computed:?}"

@@ -264,8 +264,8 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
 
 #[test]
 fn a_spring_at_a_face_and_a_curved_contact_share_the_approach() {
-    // the only part of first order, compared with the same spring as a piece of the contact curve,
-    // which is exact
+    // the spring at the face is the only part of first order; the reference has the same spring as
+    // a part of the contact curve, which is exact
     let ground = MobilityLaw::analytic(|s: Complex64| s / 1e7);
     let striker = mass(0.2);
     let both = Impact::between(&striker, &ground)

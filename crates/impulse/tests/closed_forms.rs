@@ -178,7 +178,7 @@ fn rods_of_different_lengths(claims: &mut Claims) {
             40.0,
             Within(
                 2e-7,
-                "residual of the roll-off of the bands, by the fifth power of the distance",
+                "residual of the roll-off of the bands, in inverse proportion to the fifth power of the distance",
             ),
         ),
     ] {
@@ -191,7 +191,7 @@ fn rods_of_different_lengths(claims: &mut Claims) {
         );
     }
     claims.deviation(
-        "rods of different lengths, either first: impulse by the momentum of the shorter, minus 1",
+        "rods of different lengths, either first: impulse over the momentum of the shorter, minus 1",
         Within(1e-3, "half a step at the end of a pulse of 478 steps"),
         of(&found, |found| {
             largest(found.iter().map(|p| p.balance().impulse / momentum - 1.0))
@@ -307,7 +307,7 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
         Ok(largest(errors))
     };
     claims.deviation(
-        "semi-infinite rods of a fractional material, weakly singular kernel, by means over steps and BDF2, at steps 100 and 200: error by n^-2",
+        "semi-infinite rods of a fractional material, weakly singular kernel, by means over steps and BDF2, relative error times n^2 at steps n = 100 and 200",
         Within(0.1, "second order of a force that begins infinite"),
         error(),
     );
@@ -370,7 +370,7 @@ fn f6_soft_contacts_end_within_a_step() {
                 .predict(1.1 * time)
                 .unwrap();
             let error = (found.contacts[0].end.unwrap() - time) / step;
-            // of second order: the error in steps times their number is 0.82 to 1.02
+            // of second order: the error in steps times the number of steps is 0.82 to 1.02
             assert!((error * steps - 0.9).abs() < 0.2, "{what} {steps} {error}");
         }
     }

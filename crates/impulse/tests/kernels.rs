@@ -1,5 +1,5 @@
-//! Mobilities in discrete time: closed forms, and the energy that no force can get out of a passive
-//! body.
+//! Mobilities in discrete time: closed forms, and the work of forces on passive bodies, which is
+//! never negative.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -34,8 +34,8 @@ fn claims_hold() {
     hold!(claims);
 }
 
-/// An impulse 1/Z and echoes 2/Z every 2T, each as a hat over the step that holds it and its
-/// neighbour. (Ödeen 1993, paper E, eq. 1).
+/// An impulse 1/Z and echoes 2/Z every 2T, each as a hat function over the step that
+/// contains it and a neighbouring step (Ödeen 1993, paper E, eq. 1).
 fn echoes_of_an_elastic_rod(claims: &mut Claims) {
     claims.by("G = coth(sT)/Z, free elastic rod");
     let to_the_end = 60.3;
@@ -63,8 +63,8 @@ fn echoes_of_an_elastic_rod(claims: &mut Claims) {
         })))
     };
     claims.claim(
-        "free elastic rod: kernel, over 7 % within two steps of an echo, 2e-3 within six, 2e-7 beyond",
-        "what is allowed",
+        "free elastic rod: error of the kernel over its tolerance of 7 % within two steps of an echo, 2e-3 within six, 2e-7 beyond",
+        "1",
         0.0,
         Within(1.0, "residual of the roll-off of the bands at a kink, and the alias of the next period, e^-18 of 2"),
         weighed(),
@@ -118,7 +118,7 @@ fn a_mass_moves_with_its_momentum(claims: &mut Claims) {
 /// Work of a force on a body, h Σ Fₙ (w*F)ₙ, relative to the size of its terms: the work on the
 /// body itself for a force that is constant in each step.
 fn no_force_gains_energy(claims: &mut Claims) {
-    claims.by("a passive body gives no energy: sum F_n (w*F)_n >= 0");
+    claims.by("a passive body generates no energy: sum F_n (w*F)_n >= 0");
     let gained = |body: &dyn ImpactBody, quadratures: &[Quadrature]| -> Ours {
         let mut gains = Vec::new();
         for quadrature in quadratures {
@@ -186,7 +186,7 @@ fn no_force_gains_energy(claims: &mut Claims) {
         gained(&body, &[Quadrature::CellAverages])
     };
     claims.deviation(
-        "energy gained by 20 forces from a body of lines up to 20 kHz",
+        "energy gained by 20 forces from a body known on lines up to 20 kHz",
         Within(1e-4, "the band limit is not a property of the body"),
         measured(),
     );

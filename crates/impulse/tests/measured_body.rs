@@ -396,7 +396,7 @@ fn r05_no_mean_over_lines_stands_in_for_the_front_impedance() {
             impact.predict(4e-3).unwrap_err(),
             ImpulseError::NoFrontImpedance
         );
-        // on lines the force can be computed nevertheless
+        // the stick force on lines needs no front impedance
         let band = LineBand {
             highest_hz: 10e3,
             n_samples: 2000,
@@ -486,7 +486,7 @@ fn objections_to_the_mass(support_hz: f64, from_hz: f64, seed: u64) -> Vec<Scree
         )
     });
     if let [ScreeningFlag::MassContradicted { standard_error, .. }] = flags[..] {
-        // the message and the number state one error
+        // the message states the standard error of the mass
         assert_eq!(
             Some(standard_error),
             screening.mass.map(|mass| mass.standard_error)
@@ -495,7 +495,7 @@ fn objections_to_the_mass(support_hz: f64, from_hz: f64, seed: u64) -> Vec<Scree
     flags
 }
 
-/// Only four lines are nearly rigid, and their scatter leaves the mass open.
+/// Only four lines are nearly rigid, and their scatter leaves the mass undetermined.
 #[test]
 fn s12_a_support_that_resonates_below_the_lines_is_told() {
     for seed in 0..5 {

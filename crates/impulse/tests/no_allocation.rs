@@ -22,8 +22,8 @@ fn a_step_allocates_nothing() {
             })
             .count_total
         });
-        // twice the steps: one more size of blocks with its transforms, far from one allocation for
-        // each of 4096 more steps
+        // twice as many steps need one more size of blocks with its transforms, but no allocation
+        // in each of the 4096 further steps
         assert!(
             allocations[1] < allocations[0] + 100,
             "{law:?} {allocations:?}"

@@ -113,8 +113,8 @@ fn check(name: &str, body: &Chain, velocity: f64, expected: Expected) {
     let peak = stick.history.peak();
     if let Some((force, time)) = expected.peak {
         // The references were computed with a constant-Q nylon at the level of eq. 7, and free of a
-        // band limit; the samples here are 0.05 ms apart and ring at contact. 3 % of the
-        // force, one sample in time.
+        // band limit; the samples here are 0.05 ms apart and ring at contact. The
+        // tolerances are 3 % of the force, and one sample in time.
         assert!((peak.force / force - 1.0).abs() < 0.03, "{name}: {peak:?}");
         assert!((peak.time - time).abs() < 0.05e-3, "{name}: {peak:?}");
     }
@@ -127,7 +127,7 @@ fn check(name: &str, body: &Chain, velocity: f64, expected: Expected) {
     // half a unit of the last printed digit, and as much again for the law and the linear
     // interpolation
     assert!((time - expected.end).abs() < 0.01e-3, "{name}: {time}");
-    // The body rebounds: the contact has taken more than its momentum, and less than twice that.
+    // The body rebounds: the impulse is more than its momentum, and less than twice as much.
     let taken = impact.history.impulse() / (mass(body) * velocity);
     assert!(taken > 1.0 && taken < 2.0, "{name}: {taken}");
 }
@@ -158,7 +158,7 @@ fn cylinder_with_its_nylon_end() {
     check("CCA", &cylinder(true), 0.92, expected);
 }
 
-/// The peak is the jump at contact, which a band of 10 kHz cannot hold.
+/// The peak is the jump at contact, which a band of 10 kHz cannot reproduce.
 #[test]
 fn cylinder_with_its_aluminium_end() {
     let expected = Expected {
@@ -177,8 +177,8 @@ fn stick_force_stops_the_body() {
         ("CCA", cylinder(true), 0.92),
         ("CCB", cylinder(false), 1.01),
     ] {
-        // 200 kHz and a roll-off: the limit is the response before contact of the non-causal law of
-        // eq. 7, 3e-4 of its modulus
+        // with lines up to 200 kHz and a roll-off, the largest error is the response before contact
+        // of the non-causal law of eq. 7, 3e-4 of its modulus
         let stick = stick(
             &body,
             velocity,

@@ -359,7 +359,7 @@ fn three_ways_agree(claims: &mut Claims, paper: &Ours<PaperE>) {
             Quadrature::Bdf2,
             Within(
                 6e-3,
-                "BDF2 at 1 us had 0.4 % of the peak in the separate computation",
+                "BDF2 with steps of 1 us had an error of 0.4 % of the peak in the separate computation",
             ),
         ),
     ] {
@@ -394,12 +394,12 @@ fn the_law_as_printed(claims: &mut Claims, paper: &Ours<PaperE>) {
         Ok(number(&by_printed_law(paper, name, 4e-3, 2e-6)?) / number(&causal) - 1.0)
     };
     claims.deviation(
-        "TCA, TCB, CCA and CCB: peak by the printed power laws over that by a constant loss factor, minus 1",
+        "TCA, TCB, CCA and CCB: peak with the printed power laws over that with a constant loss factor, minus 1",
         Within(0.01, "the moduli of the two laws differ by this much between 1 and 10 kHz"),
         worst(|name| over(name, |prediction| prediction.peak().force)),
     );
     claims.deviation(
-        "TCA, TCB, CCA and CCB: impulse by the printed power laws over that by a constant loss factor, minus 1, in units of 1, 2, 1 and 0.5 %",
+        "TCA, TCB, CCA and CCB: impulse with the printed power laws over that with a constant loss factor, minus 1, in units of 1, 2, 1 and 0.5 %",
         Within(1.0, "the difference of the moduli, which also changes the ends of the contacts"),
         worst(|name| {
             let allowed = match name {

@@ -158,7 +158,7 @@ fn a_body_that_is_another_one_is_seen_in_the_residual() {
         ..BODY
     };
     let other = other.struck_by(PULSE).unwrap();
-    // that of the right body is 1, among the claims
+    // for the right body chi-square is 1, as a claim states
     let wrong = chi_square(&faces, &other.frequency_responses[1]).unwrap();
     assert!(wrong > 1.5, "{wrong}");
 }
@@ -169,8 +169,8 @@ fn a_body_that_is_another_one_is_seen_in_the_residual() {
 fn a_slow_sensor_needs_regularisation() {
     let faces = BODY.struck_by(PULSE).unwrap();
     let truth = truth();
-    // a first-order low-pass of 300 Hz, three times, in time: the recursion that follows from its
-    // pole, and its exact response
+    // three first-order low-pass filters of 300 Hz in series: on the samples by recursion with
+    // their pole, and on the lines by their exact response
     let pole = (-std::f64::consts::TAU * 300.0 / BODY.sampling_rate_hz).exp();
     let mut response = faces.responses[1].clone();
     for _ in 0..3 {

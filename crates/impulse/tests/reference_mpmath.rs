@@ -18,7 +18,7 @@ fn at(history: &ForceHistory, time: f64) -> f64 {
     b + 0.5 * u * (c - a) + 0.5 * u * u * (a - 2.0 * b + c)
 }
 
-/// Times from 5 us to 1.55 ms, forces.
+/// Returns the reference forces with their times, from 5 us to 1.55 ms.
 fn reference() -> Vec<(f64, f64)> {
     let rows = CONTACT.lines().skip(1).map(|line| {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();

@@ -65,7 +65,7 @@ impl Coarse {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "places among samples, above 0"
+        reason = "positions between samples, above 0"
     )]
     pub(super) fn refined(&self, curves: &Curves) -> Curves {
         let middle = 0.5 * (self.by - 1) as f64;

@@ -27,7 +27,7 @@ const FORCES_APART: f64 = 3.0;
 const LEAD_APART: f64 = 2.0;
 /// Largest pull of a face in compression, relative to the largest force.
 const PULL: f64 = 0.05;
-/// Engineering strain of compression at which nothing is left of the specimen.
+/// Engineering strain of compression at which the length of the specimen is zero.
 const CRUSHED: f64 = 1.0;
 /// Largest strain of a bar: metals and glassy polymers are elastic up to about 2 %.
 const BAR_STRAIN: f64 = 0.03;

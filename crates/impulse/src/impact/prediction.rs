@@ -39,7 +39,8 @@ pub struct Prediction {
     /// The force \[N\]; for [`Quadrature::CellAverages`](crate::Quadrature) the mean over a step,
     /// at its middle.
     pub history: ForceHistory,
-    /// All contacts, in order of time. Contacts a few steps long are common where faces graze.
+    /// All contacts, in order of time. Contacts a few steps long are common where faces barely
+    /// touch.
     pub contacts: Vec<ContactInterval>,
     /// Velocities of the faces of both bodies along V \[m/s\], at the times of the force;
     /// `(n_steps)`.

@@ -46,7 +46,7 @@ pub(super) struct Transformed<'a> {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "`Sensor` has taken only frequency responses of all lines, `line` counts these, and forces come with them"
+    reason = "`Sensor` accepts only frequency responses with all lines, `line` is an index of these lines, and forces have as many"
 )]
 impl Transformed<'_> {
     /// Computes the sums, with the errors of the frequency response weighted for a force of this

@@ -88,7 +88,7 @@ impl PathErrors {
                 let power = of_other_durations(blows);
                 power.into_iter().map(|power| scale * power).collect()
             }
-            // the power of blows for which this noise would give such errors
+            // power of the calibration blows, from the noise and the variance that it has caused
             None => (0..n_lines)
                 .map(|line| {
                     let sensors = transformed.sensors.iter();

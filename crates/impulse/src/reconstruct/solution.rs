@@ -290,7 +290,7 @@ impl Solved {
     /// Returns $`-(1-\varphi)\hat F`$ as a history.
     #[allow(
         clippy::indexing_slicing,
-        reason = "the problem and the force have `length` elements, which the support of the record holds"
+        reason = "the problem and the force have `length` elements, as many as the support in the record"
     )]
     pub(super) fn bias(&self) -> Vec<f64> {
         let n_samples = self.samples.len();

@@ -45,7 +45,7 @@ impl Informed {
     /// Creates the informed equations; also returns their Q and b.
     #[allow(
         clippy::indexing_slicing,
-        reason = "all lists and matrices have as many elements a side as the right side"
+        reason = "all lists and matrices have as many elements per side as the right side"
     )]
     fn new(
         quadratic: &Mat<f64>,
@@ -128,7 +128,7 @@ impl Informed {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "all lists and matrices have `length` elements a side, at least one"
+    reason = "all lists and matrices have `length` elements per side, at least one"
 )]
 impl SupportProblem {
     pub(super) fn new(

@@ -286,7 +286,7 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         }),
     );
     claims.claim(
-        "sphere on a semi-infinite rod: worst force in steps of 2.5 us by that in steps of 1 us",
+        "sphere on a semi-infinite rod: largest error of the force in steps of 2.5 us over that in steps of 1 us",
         "1",
         4.6,
         Within(
@@ -296,7 +296,7 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         of(&found, |[coarse, fine]| worst(coarse, 50) / worst(fine, 20)),
     );
     claims.deviation(
-        "sphere on a semi-infinite rod: impulse of all contacts by steps of 2.5 and of 1 us less one, by the square of the step in us",
+        "sphere on a semi-infinite rod: impulse of all contacts over the exact one, minus 1, divided by the square of the step in us, for steps of 2.5 and 1 us",
         Within(1e-4, "second order, 1000 steps"),
         of(&found, |[coarse, fine]| {
             let error = |p: &Prediction| p.balance().impulse / state[1] - 1.0;

@@ -15,12 +15,12 @@ fn claims_hold() {
     let mut claims = Claims::default();
     claims.by("a free body at low frequency: G = 1/(i omega M)");
     claims.deviation(
-        "rod of nylon, five times 2 % of noise: mass by its lines over its own, minus 1",
+        "rod of nylon, five draws of 2 % noise: mass from its lines over its true mass, minus 1",
         Within(0.02, "2 % of noise on some dozen lines"),
         apparent_mass(),
     );
     claims.claim(
-        "rod of nylon: mass by its lines, sensitivity 5 % too high",
+        "rod of nylon: mass from its lines, sensitivity 5 % too high",
         "kg",
         mass() / 1.05,
         Within(

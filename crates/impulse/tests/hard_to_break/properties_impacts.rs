@@ -94,7 +94,8 @@ proptest! {
         }
     }
 
-    /// Rigid and linear contacts: velocity scales everything, powers of two to the bit.
+    /// With rigid and linear contacts, forces are proportional to the velocity; with rigid contacts
+    /// they agree to the bit for factors that are powers of two.
     #[test]
     fn linear_impacts_scale_with_velocity(
         kinds in [1..4_usize, 1..4_usize],
@@ -139,7 +140,8 @@ proptest! {
         prop_assert!((found.balance().restitution.unwrap() - 1.0).abs() < 1e-5);
     }
 
-    /// Steps that do not divide any arrival: the impulse of a rigid contact is that of the closed form to a step.
+    /// The impulse of a rigid contact is that of the closed form, even if no arrival is at the end
+    /// of a step.
     #[test]
     fn steps_need_not_divide_arrivals(length in 0.05..0.5_f64, share in 0.003..0.02_f64) {
         let speed = (206e9_f64 / 7780.0).sqrt();
@@ -149,9 +151,9 @@ proptest! {
         let found = Impact::between(&first, &second).at_velocity(1.0)
             .in_steps_of(share * round_trip).predict(1.6 * round_trip).unwrap();
         let exact = 0.5 * impedance * round_trip;
-        // A part of a step of the front remains, which presses for a part of a step: the largest
-        // effect in 9000 steps was 0.0058 of that of a whole step. A front that falls in the wrong
-        // step would give 1.
+        // After the step in which the front falls, a remainder of the force acts for a part of a
+        // step: its largest effect in 9000 steps was 0.0058 of that of a whole step. A front that
+        // falls in the wrong step would give 1.
         prop_assert!((found.balance().impulse / exact - 1.0).abs() < 0.01 * share, "{}", found.balance().impulse / exact);
         let last = found.contacts.first().unwrap().end.unwrap();
         // The front falls within one step of the round trip; the remainder travels to and fro

@@ -14,7 +14,7 @@ fn hopkinson_bars_without_a_specimen_have_equal_forces() {
     let rig = rig::nylon();
     let truth = rig.shot(None).unwrap();
     let record = rig::record(&truth, &rig::quiet(&rig, 3e-6), 5);
-    // the length of a specimen that is not there has no meaning
+    // there is no specimen: the stated length has no meaning
     let result = rig::evaluated(&rig::test_of(&rig, 0.01, rig.diameter), &record);
     let band = result
         .expanded_uncertainty(Curve::ForceDifference, 0.99)
@@ -80,8 +80,8 @@ fn hopkinson_elastic_specimen_has_its_modulus() {
     );
     let middle = result.loaded.start + result.loaded.len() / 2;
     let found = stress[middle] / strain[middle];
-    // speeds rounded by 2e-4 on the grid of the march, over the 280 transits from gauge to gauge,
-    // against a strain of small differences
+    // the march rounds the wave speeds between the gauges by 2e-4, and the small strain is a
+    // difference of nearly equal waves
     assert!((found / modulus - 1.0).abs() < 0.02, "{found:e}");
     // the impulse through either face is that of the drive
     let impulse =

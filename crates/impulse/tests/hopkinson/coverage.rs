@@ -46,7 +46,7 @@ fn with_bars(rig: &HopkinsonRig, length: f64, diameter: f64, noise: &mut Noise) 
         }
     }
     test.bars[1].gauges[0].delay_uncertainty = DELAY;
-    // both bars are of one piece
+    // both bars are cut from one rod: they share the error of the modulus
     let factor = 1.0 + MODULUS * noise.normal();
     let scaled =
         |factor: f64| -> BarMaterial { test.bars[0].material.scaled(factor, 1.0).unwrap() };

@@ -97,8 +97,8 @@ fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
     assert!(!finding.forbids() && said.contains("0.8"), "{said}");
 }
 
-/// Gauge factors known to 1 %, and a force 3.9 standard errors of the ratio off: three are beyond
-/// chance.
+/// With gauge factors known to 1 %, a force that is wrong by 3.9 standard errors of the ratio is
+/// reported: the limit is three.
 #[test]
 fn hopkinson_forces_four_errors_apart_are_named() {
     let (mut test, mut record) = shot();
@@ -116,7 +116,7 @@ fn hopkinson_forces_four_errors_apart_are_named() {
     let wrong = rig::evaluated(&test, &record);
     let equilibrium = &wrong.equilibrium;
     let apart = (equilibrium.force_ratio - 1.0) / equilibrium.force_ratio_error;
-    // below the five of before
+    // a limit of five standard errors would miss it
     assert!((3.0..5.0).contains(&apart), "{apart}");
     assert!(
         wrong.findings.iter().any(differ),
@@ -324,7 +324,7 @@ fn hopkinson_a_record_that_ends_under_load_is_named() {
     let middle = whole.loaded.start + whole.loaded.len() / 2;
     let gauges = [0, 1].map(|bar: usize| test.bars[bar].gauges[0].distance.value);
     let speed = test.bars[0].phase_velocity(3e3).unwrap();
-    // the later of the reflected and the transmitted wave, and the edge of the band
+    // travel time to the farther gauge, and one period of the highest frequency of the band
     let way = gauges[0].max(gauges[1]) / speed + 1.0 / whole.band_hz;
     let end = (whole.time_at(middle) + way) * RATE;
     let end = end as usize;
@@ -337,7 +337,7 @@ fn hopkinson_a_record_that_ends_under_load_is_named() {
         Finding::RecordEnds { part } => Some((*part, finding.to_string())),
         _ => None,
     });
-    // a curve that ends while the specimen is unloaded is right as far as it goes
+    // a curve that ends while the specimen is unloaded is correct up to its end
     assert!(Finding::RecordEnds { part: 0.3 }.is_remark());
     assert!(!Finding::RecordEnds { part: 0.9 }.is_remark());
     let (part, said) = cut.unwrap_or_else(|| panic!("{findings:?}"));
@@ -379,8 +379,9 @@ fn hopkinson_a_face_that_pulls_is_named() {
     assert!(said.contains("incident bar pulls"), "{said}");
 }
 
-/// Torsion of a thin tube by the records of the compression, as shear strains of the surface of the
-/// bars: a torque of π d³ G γ/16 over the mean radius and wall against a force of π d² E ε/4.
+/// Torsion of a thin tube, from the records of the compression as shear strains at the surface of
+/// the bars: the stress due to the torque π d³ G γ/16, compared with that due to the force
+/// π d² E ε/4.
 #[test]
 fn hopkinson_torsion_has_the_stress_of_a_torque() {
     let (axial, record) = shot();
@@ -400,10 +401,11 @@ fn hopkinson_torsion_has_the_stress_of_a_torque() {
     let expected = 0.25 * rig.diameter * per_torque * rig::area(outer);
     let middle = in_compression.loaded.start + in_compression.loaded.len() / 2;
     let at = |result: &HopkinsonResult| result.curves.of(Curve::Stress)[middle];
-    // one record by one law: the same lines except for factors
+    // records and law are the same in both: the lines differ by factors only
     let ratio = at(&in_torsion) / at(&in_compression);
     assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio} {expected}");
-    // stress goes with 1/(r² t), and the mean radius falls by half of what the wall grows
+    // the stress is proportional to 1/(r² t); the mean radius r decreases by half of the increase
+    // of the wall t
     let effect = in_torsion
         .common
         .iter()
@@ -417,7 +419,8 @@ fn hopkinson_torsion_has_the_stress_of_a_torque() {
     );
 }
 
-/// Every source has a name for the budget, and only those of a specimen are its own.
+/// Every source has its name in the budget, and only the sources of the specimen differ between
+/// shots.
 #[test]
 fn hopkinson_sources_of_errors_are_named() {
     let (mut test, record) = shot();

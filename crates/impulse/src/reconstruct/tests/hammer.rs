@@ -359,8 +359,8 @@ fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
         right_side: vec![4.0, 2.6],
         force: vec![1.8, 0.4],
     };
-    // above 2.6 the second is held: 2 x^2 - 8 x; below, second (2.6 - x)/2: 1.5 (x - 1.8)^2 above
-    // the least, -8.24
+    // above 2.6 the second sample is held at zero, and the cost is 2 x^2 - 8 x; below, the second
+    // sample is (2.6 - x)/2, and the cost is 1.5 (x - 1.8)^2 above the least, -8.24
     let interval = problem.interval(&[1.0, 0.0], 1.0, 0.0).unwrap();
     let below = |z: f64| 1.8 - z / 1.5_f64.sqrt();
     let above = |z: f64| {
