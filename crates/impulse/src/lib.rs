@@ -95,7 +95,8 @@
 //!     assert!((history.force()[sample] / exact - 1.0).abs() < 1e-6);
 //! }
 //!
-//! // ringing below 1 % of the peak is not a separation: the mass stays on the rod until it has no momentum left
+//! // ringing below 1 % of the peak is not a separation: the mass stays on the rod until it has
+//! // no momentum left
 //! let impact = separate(history, 0.01 * impedance * velocity)?;
 //! assert_eq!(impact.end, ContactEnd::InContact);
 //! assert!((impact.history.impulse() / (mass * velocity) - 1.0).abs() < 1e-3);
