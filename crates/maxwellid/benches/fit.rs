@@ -9,8 +9,8 @@
 //! | responses of the four tests | the lower bound of a joint fit: the responses computed in one of its steps | |
 //! | five laws, two tests | a selection with its evidence | 0.3 s |
 //!
-//! The feature `rayon` spreads tests and starts over the cores. The number of tests of a fit and of
-//! laws of a selection are varied in separate groups.
+//! The feature `rayon` spreads tests and starts over the cores. The number of tests in a fit and
+//! the number of laws in a selection are varied in separate groups.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! 180 standard samples, sixty of each law of paper D, for one test of its size.
+//! 180 standard samples, sixty of each law of paper D, for one test of the size used there.
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -351,15 +351,15 @@ mod tests {
             pairs.fold(0.0_f64, |top, (a, b)| top.max((a - b).abs()))
         };
         let distances = [distance(3), distance(30), distance(300)];
-        // shuffled passes: the noise of one pass averages out as 1/passes at best, as its square
-        // root at worst
+        // shuffled passes: the noise of one pass decreases as 1/passes at best and as 1/√passes at
+        // worst
         assert!(distances[1] < 0.5 * distances[0], "{distances:?}");
         assert!(distances[2] < 0.32 * distances[1], "{distances:?}");
         assert!(distances[2] < 2e-3, "{distances:?}");
     }
 
-    /// The increment correction minimises the mean of |r - wφ|: this mean is less for its weights
-    /// than for the least-squares weights.
+    /// The increment correction minimises the mean of |r - wφ|: this mean is smaller for its
+    /// weights than for the least-squares weights.
     #[test]
     fn increments_tend_to_the_median() {
         let (features, classes) = cloud();
@@ -388,7 +388,8 @@ mod tests {
         let features = vec![vec![1.0, 2.0], vec![1.0]];
         assert!(Weights::least_squares(&features, &[0, 1], 0.0).is_err());
         assert!(Weights::least_squares(&features[..1], &[0, 1], 0.0).is_err());
-        // neither weights of so many classes nor their number overflow
+        // a class number that is too large is refused before weights are allocated for so many
+        // classes
         for class in [1 << 16, usize::MAX] {
             let error = Weights::least_squares(&features[..1], &[class], 1e-3).unwrap_err();
             assert!(

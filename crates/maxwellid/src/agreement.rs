@@ -36,9 +36,9 @@ pub enum FitFlag {
         lag: f64,
     },
     /// The residual exceeds the stated noise. Errors are increased by this ratio.
-    #[error("the residual is {ratio:.2} times what the stated noise explains")]
+    #[error("the residual is {ratio:.2} times as large as the stated noise")]
     ResidualAboveNoise {
-        /// Standard deviation of the whitened residual; 1 if the noise explains it.
+        /// Standard deviation of the whitened residual; 1 if it contains only the stated noise.
         ratio: f64,
     },
     /// The alternation of parameters and excitation has not converged: the minimum is not settled,

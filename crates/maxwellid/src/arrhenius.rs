@@ -169,7 +169,7 @@ impl RodModel for Arrhenius {
 
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
         let own = self.model.specimen_sensitivities(at_reference(parameters));
-        // errors of length and density change the rates at all temperatures by one factor
+        // errors of length and density change the rates at all temperatures by the same factor
         own.into_iter()
             .chain(std::iter::once(SpecimenSensitivity::default()))
             .collect()
@@ -210,13 +210,13 @@ impl RodModel for Arrhenius {
         self.model.by_samples(rod, &own, samples, change)
     }
 
-    /// The series at the reference temperature.
+    /// The Prony series at the reference temperature.
     fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
         self.model.prony(at_reference(parameters))
     }
 
-    /// The series at the reference temperature, with an activation energy in the middle of its
-    /// range, because a series does not state one.
+    /// The special case at the reference temperature, with an activation energy in the middle of
+    /// its range, because a Prony series has none.
     fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
         let mut case = self.model.special_case(series)?;
         case.parameters.push(middle(RANGE));

@@ -191,7 +191,7 @@ impl Law {
         }
     }
 
-    /// Returns the entry of the law, with the parameters that a fit states.
+    /// Returns the entry of the law, with the parameters that a fit reports.
     #[expect(
         clippy::expect_used,
         reason = "rates and stresses are positive constants"

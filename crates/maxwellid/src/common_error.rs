@@ -161,8 +161,8 @@ pub const UNSTATED_GAIN: f64 = 0.05;
 pub const UNSTATED_DELAY: f64 = 1.0;
 
 /// Adds to `tests` an error of the response's gain ([`UNSTATED_GAIN`]) and of its delay
-/// ([`UNSTATED_DELAY`]), each the same in all tests: for a further comparison if no law explains
-/// the data as stated. `None` if a test states an error of its transducers.
+/// ([`UNSTATED_DELAY`]), each the same in all tests: for a further comparison if no law fits the
+/// data without such errors. `None` if a test states an error of its transducers.
 #[must_use]
 pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     let allowed = |test: &RodTest| {
@@ -274,7 +274,8 @@ impl CommonErrors {
                 own.iter_mut().for_each(|v| *v *= factor);
                 Some(weighting.seen(test, own))
             });
-            // an error of the length hardly changes the difference of the grids
+            // an error of the length hardly changes the difference between the responses on the two
+            // grids
             let same_delay =
                 |known: &&Self| known.deviation(index).delay.to_bits() == delay.to_bits();
             let known_front = known
@@ -486,7 +487,8 @@ impl CommonErrors {
     pub(crate) fn estimates(&self, mut white: Linearisation) -> Vec<CommonErrorEstimate> {
         let others = white.jacobian.len();
         let count = self.columns.len();
-        // the residual is that of the stated values: their errors explain it with the opposite sign
+        // the residual belongs to the stated values; the most likely errors remove it and have the
+        // opposite sign
         white.jacobian.extend(self.columns.iter().cloned());
         white.residual.extend(vec![0.0; count]);
         for (index, column) in white.jacobian.iter_mut().enumerate() {

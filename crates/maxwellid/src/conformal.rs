@@ -107,7 +107,7 @@ mod tests {
         );
     }
 
-    /// Under the law itself a p-value below ε is found in a share ε of the cases, whatever the
+    /// For patterns of the law itself, a share ε of the p-values is below ε, whatever the
     /// distribution.
     #[test]
     fn the_p_value_of_the_true_class_is_valid() {
@@ -126,8 +126,8 @@ mod tests {
                 rejected += 1;
             }
         }
-        // leave-one-out ranks against one more neighbour: slightly conservative or liberal by 1/N;
-        // 3.3 standard deviations of 1 %
+        // the pattern has one neighbour more than a sample that is left out, which shifts the share
+        // by up to 1/N; the limits are 3.3 standard deviations of 1 % around it
         assert!((70..=135).contains(&below), "{below}");
         assert_eq!(rejected, cases);
     }

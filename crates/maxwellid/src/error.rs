@@ -38,7 +38,7 @@ pub enum MaxwellidError {
     RecordTooLong {
         test: String,
         found: usize,
-        /// Largest number.
+        /// Largest number permitted.
         expected: usize,
     },
     /// The excitation before the filter of the recorder cannot be estimated.
@@ -122,7 +122,7 @@ pub enum MaxwellidError {
         /// `excitation` or `response`.
         history: &'static str,
         found: usize,
-        /// Minimum number.
+        /// Smallest number permitted.
         expected: usize,
     },
     /// The noise is stated for some tests and not for others.
@@ -144,7 +144,7 @@ pub enum MaxwellidError {
         modulus: f64,
         /// Median of the moduli of all tests \[Pa\].
         others: f64,
-        /// Largest difference of the logarithms.
+        /// Largest difference of the logarithms permitted.
         allowed: f64,
     },
     /// The uncertainty of a calibration is invalid.

@@ -48,7 +48,8 @@ pub(crate) fn minimise(
     for m in 1..=ROBBINS_MONRO {
         iterations += 1;
         let mut gain = first_gain / f64::from(m);
-        // damping: a step out of the model, or uphill, is halved
+        // damping: a step is halved if it leaves the domain of the model or does not reduce the sum
+        // of squares
         for _ in 0..HALVINGS {
             let step: Vec<f64> = search.gradient.iter().map(|g| -gain * g).collect();
             if gain.is_finite() && search.moved(&step, search.value) {
@@ -268,7 +269,7 @@ mod tests {
         }
     }
 
-    /// (Ödeen 1993, paper D, eq. 14).
+    /// Proves that (Ödeen 1993, paper D, eq. 14) finds the minimum of a quadratic function.
     #[test]
     fn the_bottom_of_a_bowl_is_found() {
         let minimum = minimise(&Bowl, &[-4.0, 6.0], 1e-24).unwrap().unwrap();
@@ -277,7 +278,7 @@ mod tests {
             "{:?}",
             minimum.termination
         );
-        // the tolerance is 1e-7 of the step limit, 1
+        // the tolerance is 1e-7 of the step limit, which is 1
         assert!((minimum.parameters[0] - 1.0).abs() < 1e-6, "{minimum:?}");
         assert!((minimum.parameters[1] - 2.0).abs() < 1e-6, "{minimum:?}");
         assert!(minimum.evaluations.linearisations > 4);

@@ -36,7 +36,7 @@ pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
     /// Undetermined: within the noise, values of another order of magnitude (or other exponents)
-    /// explain the data as well. The value is that at which the iteration stopped, not a
+    /// fit the data equally well. The stated value is the one at which the iteration stopped, not a
     /// property of the material.
     NotIdentifiable,
     /// Bounded: only values above this one are excluded, at 95 % ([`crate::profile`]).
@@ -129,8 +129,8 @@ pub struct Identifiability {
     pub correlation_inflation: f64,
 }
 
-/// Inputs of the assessment: the residual over V0, for stated noise the white residual with the
-/// factor on its noise, and the factor on the standard error of ln E.
+/// Inputs of the assessment: the residual divided by V0; for stated noise, the white residual and
+/// the factor on its noise; and the factor on the standard error of ln E.
 pub(crate) struct Judged<'a> {
     pub(crate) linearisation: &'a Linearisation,
     pub(crate) white: Option<(&'a Linearisation, f64)>,

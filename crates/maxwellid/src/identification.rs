@@ -46,7 +46,7 @@ pub struct Identification<M> {
     /// Flags, one per parameter of the model, for a rise of χ² near the minimum that differs from
     /// the rise that the standard error implies.
     curved: Vec<bool>,
-    /// Factor on the standard error of ln E for a χ² that rises less about the minimum than the
+    /// Factor on the standard error of ln E if χ² rises more slowly about the minimum than the
     /// error implies; at least 1.
     widening: f64,
     /// Flags like `curved`, with weights and excitation renewed at the ends of the intervals.
@@ -309,8 +309,8 @@ impl<M: RodModel> Identification<M> {
         (chi_square, degrees)
     }
 
-    /// Standard deviation of the whitened residual: 1 if the stated noise explains it; NaN without
-    /// stated noise.
+    /// Standard deviation of the whitened residual: 1 if it contains only the stated noise; NaN
+    /// without stated noise.
     #[must_use]
     pub fn ratio_to_noise(&self) -> f64 {
         let (chi_square, degrees) = self.chi_square();

@@ -41,8 +41,8 @@ impl LaplaceLine {
         (0..=self.count / 2).map(move |k| Complex64::new(damping, step * k as f64))
     }
 
-    /// Σ q(t_n) e^{-s t_n}, unscaled, of a history that is known `at` the first points and then
-    /// faded to zero.
+    /// Σ q(t_n) e^{-s t_n}, unscaled, of a history whose first `known` points are given by `at`,
+    /// and which is then faded to zero.
     pub(crate) fn transform(&mut self, known: usize, at: impl Fn(usize) -> f64) -> Vec<Complex64> {
         let last = at(known - 1);
         let damped = self.fourier.samples();

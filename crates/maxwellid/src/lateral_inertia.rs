@@ -29,8 +29,8 @@
 //!     rodwave::characteristics::BranchedProblem::free_end_velocity_with_lateral_inertia
 //!
 //! # Validity
-//! Love's theory holds for wavelengths above about three diameters. The sensitivities to length and
-//! density of the specimen are those of a thin rod.
+//! Love's theory is valid for wavelengths above about three diameters. The sensitivities to length
+//! and density of the specimen are those of a thin rod.
 //!
 //! Theory: `docs/theory/identification.md#lateral-inertia`.
 
@@ -131,7 +131,8 @@ pub(crate) fn of_columns(
         .collect()
 }
 
-/// Response `at` θ with its derivatives from central differences; the first θ is `parameters`.
+/// Response at `parameters` with its derivatives, by central differences of `at`, the response as a
+/// function of θ.
 pub(crate) fn by_differences(
     parameters: &[f64],
     at: impl Fn(&[f64]) -> Option<Vec<f64>> + Sync,

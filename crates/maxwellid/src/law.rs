@@ -82,7 +82,7 @@ impl StatedParameter {
         }
     }
 
-    /// Returns the parameter as one that follows from coordinates.
+    /// Returns the parameter with the role of a quantity derived from coordinates.
     pub(crate) fn derived(self) -> Self {
         Self {
             role: Role::Derived,

@@ -583,8 +583,8 @@ mod tests {
         assert_eq!(minimum.termination, Termination::NoReductionLeft);
     }
 
-    /// Iterations x -> a x + b, whose fixed point b/(1 - a) follows from two renewals, from 0 to 1
-    /// and from 1 to `end`, as far as the secant is followed.
+    /// Iterations x -> a x + 1: the secant through the renewals from 0 to 1 and from 1 to `end`
+    /// gives the fixed point 1/(1 - a), unless the limit of the factor is reached.
     #[test]
     fn two_renewals_tell_where_an_iteration_of_straight_steps_ends() {
         let meeting = |end: f64, last: Option<(&[f64], &[f64])>| {
@@ -607,13 +607,13 @@ mod tests {
             (-1.0, 0.5),
             (-0.5, 2.0 / 3.0),
             (0.7, 10.0 / 3.0),
-            // 0.9: the step of 0.9 is followed three times instead of nine
+            // at the limit: the last change, 0.9, is continued three times instead of nine times
             (0.9, 4.6),
         ] {
             let found = meeting(slope + 1.0, last);
             assert!((found - expected).abs() < 1e-12, "{slope}: {found}");
         }
-        // one renewal, and two of equal steps, give no secant
+        // there is no secant after a single renewal or after two equal changes
         assert!((meeting(1.9, None) - 1.9).abs() < 1e-15);
         assert!((meeting(2.0, last) - 2.0).abs() < 1e-15);
     }

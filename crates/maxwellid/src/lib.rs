@@ -3,7 +3,7 @@
 //! # Problem
 //! A rod is struck at one end. The velocity v_e(t) at a section near that end and the velocity
 //! v_r(t) of the free end, a distance L away, are known. The crate finds Young's modulus E and the
-//! inelastic law F(σ) in ∂ε/∂t = (1/E) ∂σ/∂t + F(σ) that explain v_r from v_e (Ödeen 1993, paper
+//! inelastic law F(σ) in ∂ε/∂t = (1/E) ∂σ/∂t + F(σ) that reproduce v_r from v_e (Ödeen 1993, paper
 //! D), and states how well the data determine them.
 //!
 //! # Method
@@ -16,17 +16,17 @@
 //! delay of the transducers can be unknowns ([`Nuisances`]).
 //!
 //! # Choice of the law
-//! [`selection`] compares the three laws with linear competitors ([`linear`]); its result may be
-//! that the data do not decide, or that none of the laws is adequate. [`profile`] bounds parameters
-//! that are not identified; [`design`] plans the next test. The paper's own classifier is in
-//! [`samples`] and [`adequacy`].
+//! [`selection`] compares the laws of paper D with linear competitors ([`linear`]); its result may
+//! be that the data do not decide, or that none of the laws is adequate. [`profile`] bounds
+//! parameters that are not identified; [`design`] plans the next test. The paper's own classifier
+//! is in [`samples`] and [`adequacy`].
 //!
 //! # Errata of the source
 //! * Eq. (14), a recursion with gain 1/m on the printed parameters, diverges or stagnates: in Pa
 //!   the Hessian has the eigenvalues 3e-29, 2e-14 and 4.5e4 (m/s)². It is replaced.
-//! * The units of Tables 4 and A1 have no physically consistent reading; read literally, the rods
-//!   are elastic over the record and their damping cannot be identified from data with 2 % noise,
-//!   which this crate reports.
+//! * The units of Tables 4 and A1 have no physically consistent interpretation; taken literally,
+//!   the rods are elastic over the record and their damping cannot be identified from data with 2 %
+//!   noise, which this crate reports.
 //!
 //! # Limitations
 //! * [`Fit`] does not choose between laws; [`selection`] does. A nonlinear law also fits data of a

@@ -277,7 +277,7 @@ pub(crate) fn check_cell(cell: f64, length: f64) -> Result<(), MaxwellidError> {
     }
 }
 
-/// Relative rounding of a number of cells.
+/// Relative rounding error of a number of cells.
 const ROUNDING: f64 = 1e-12;
 
 const FEWEST_CELLS: f64 = 16.0;

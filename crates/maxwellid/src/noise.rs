@@ -70,7 +70,7 @@ pub(crate) const QUIET_SAMPLES: usize = 16;
 const PRECURSOR: usize = 10;
 
 /// Returns the standard deviation of the samples before the first rise about their mean, and their
-/// number; if there are too few, their number is the error.
+/// number; if there are too few, `Err` contains their number.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -200,8 +200,8 @@ impl Orthonormal {
         orthonormal
     }
 
-    /// Removes the part of `vector` that the columns explain, and returns the coefficients of the
-    /// original columns in it.
+    /// Removes from `vector` its projection on the columns, and returns the coefficients of the
+    /// original columns in this projection.
     #[allow(
         clippy::indexing_slicing,
         reason = "`triangle` has a row for each column, that of column k with k + 1 entries"

@@ -11,8 +11,8 @@
 //!
 //! # Validity
 //! χ² is that of [`crate::Fit`] in the same problem: known noise of both histories, and the most
-//! probable excitation, which is held along the profile. Like the errors, the threshold is scaled
-//! by the variance of the residual.
+//! probable excitation, which is kept constant along the profile. Like the errors, the threshold is
+//! scaled by the variance of the residual.
 //!
 //! Theory: `docs/theory/model-identification.md#profiles`.
 
@@ -141,9 +141,9 @@ impl<M: RodModel + Clone> Fit<M> {
     /// Identifies the model from all `tests` together, with the profiles of its parameters over the
     /// ranges of `candidate`, in one and the same problem. If a profile finds a lower point, the
     /// fit continues from there. A point that is lower only with the excitation of the minimum, and
-    /// by less than the rise at the ends of the intervals, belongs to the intervals. A parameter
-    /// counts as identified if its interval is closed; its standard error is at least that of the
-    /// longer half of the interval.
+    /// by less than the rise at the ends of the intervals, is counted as part of the intervals. A
+    /// parameter counts as identified if its interval is closed; its standard error is at least
+    /// that of the longer half of the interval.
     ///
     /// # Errors
     /// The errors of [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate with
@@ -228,8 +228,8 @@ struct Walked {
 
 impl Walked {
     /// Returns true if no point is below the minimum by more than the intervals allow. A lower
-    /// point where a fit with renewed excitation does not stay belongs to the intervals, which
-    /// contain it.
+    /// point that a fit with renewed excitation leaves again is counted as part of the intervals,
+    /// which contain it.
     fn is_lowest_within_interval(&self) -> bool {
         let below = self.below.as_ref();
         below.is_none_or(|(rise, _)| *rise > -self.threshold)
@@ -602,7 +602,7 @@ mod tests {
         let closed = |b: f64| 100.0 / (1.0 + 4.0 * (-2.0 * b).exp());
         let curve = bounded.smooth_curve();
         assert!(curve.len() > 25);
-        // the curve as a figure shows it; its points are up to two units of b apart
+        // the curve that figures show; its points are up to two units of b apart
         for (b, rise) in curve.into_iter().filter(|(b, _)| closed(*b) < 12.0) {
             let tolerance = 0.025 * closed(b).max(1.0);
             assert!(

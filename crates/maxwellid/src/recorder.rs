@@ -47,7 +47,7 @@ use crate::whitening::mirrored_spectrum;
 /// Usual ratio of the sampling rate of a recorder to its cut-off.
 pub const USUAL_RATIO: f64 = 2.56;
 
-/// Fraction of the cut-off from which power counts.
+/// Lower end of the band in which the power is summed, as a fraction of the cut-off.
 pub const FROM: f64 = 0.6;
 
 /// Check of a recorder by the spectrum of an excitation.

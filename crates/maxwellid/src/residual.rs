@@ -226,7 +226,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         })
     }
 
-    /// Divides by V0, or whitens.
+    /// Divides a history by V0 or, with weightings, whitens it.
     fn weigh(&self, test: usize, history: &mut [f64]) -> Option<()> {
         match self.weightings.get(test) {
             Some(weighting) => weighting.whiten(history),

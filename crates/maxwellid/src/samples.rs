@@ -267,8 +267,8 @@ mod tests {
         for base in [2, 3, 5] {
             let mut values: Vec<f64> = (1..=60).map(|k| radical_inverse(k, base)).collect();
             values.sort_by(f64::total_cmp);
-            // no gap is wider than that of 60 points in the cells of the last complete power of the
-            // base
+            // the largest power of the base below 60 is at least 25, and each of as many equal
+            // cells contains a point
             let gap = values
                 .windows(2)
                 .fold(0.0_f64, |top, w| top.max(w[1] - w[0]));

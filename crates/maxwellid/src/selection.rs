@@ -1,4 +1,4 @@
-//! Selection of the law that the data support, if they decide.
+//! Selection of the law that the data support, if they permit a decision.
 //!
 //! # Problem
 //! Several laws M_i are candidates. The comparison finds the probability of each law given the
@@ -137,7 +137,7 @@ const REFINEMENTS: usize = 3;
 const SHORTEST_SHARE: f64 = 0.25;
 
 /// Probability of a misfit, relative to the level of adequacy, below which no finer grid makes a
-/// law explain the data.
+/// law adequate.
 const REFUTED: f64 = 1e-3;
 
 /// Shortest cell of a grid refined because of [`GRID_ERROR`] \[m\].
@@ -475,7 +475,7 @@ impl Selection {
         let fall = 4.0 * BEYOND_COMPARISON;
         match self.noise_samples {
             None => least.chi_square + fall * inflation,
-            // the factor of 1 + χ²/q
+            // 1 + χ²/q grows by this exponential
             Some(q) => (q + least.chi_square) * (fall / (effective + q)).exp() - q,
         }
     }

@@ -104,8 +104,8 @@ const SMALLEST_LAG: usize = 2;
 const BETTER: f64 = 0.1;
 
 /// Returns the delay \[s\], in addition to the one found, for which the simulated response agrees
-/// best with the measured one, and the test with the best agreement; `None` if sampling and noise
-/// can explain the delay.
+/// best with the measured one, and the test with the best agreement; `None` if the delay can result
+/// from sampling and noise.
 ///
 /// The correlation is that of the differences of neighbouring samples, in which fronts dominate.
 pub(crate) fn arrival_lag<'a, M: RodModel>(

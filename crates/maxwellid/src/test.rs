@@ -311,7 +311,7 @@ impl RodTest {
     #[must_use]
     #[allow(
         clippy::indexing_slicing,
-        reason = "the window ends within the record: `new`, `with_window` and `from_displacements` see to it"
+        reason = "the window ends within the record: `new`, `with_window` and `from_displacements` ensure this"
     )]
     pub fn response(&self) -> &[f64] {
         &self.response[..self.window]
@@ -456,7 +456,7 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
         .collect::<Result<_, _>>()?;
     let mut sorted = moduli.clone();
     sorted.sort_by(f64::total_cmp);
-    // of two tests the upper one, because their comparison is symmetric
+    // of two tests the upper one; their comparison is symmetric, so that either would do
     let Some(median) = sorted.get(sorted.len() / 2).copied() else {
         return Err(MaxwellidError::NoTest);
     };

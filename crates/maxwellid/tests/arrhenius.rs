@@ -11,16 +11,16 @@ const ENERGY: f64 = 80e3;
 const KAPPA: f64 = 2.0;
 const RATE: f64 = 6.0;
 
-/// The test of a Norton rod, whose rate at `temperature` is that of Arrhenius.
+/// A test of a Norton rod whose rate depends on `temperature` by the law of Arrhenius.
 fn test(velocity: f64, temperature: f64, seed: u64) -> RodTest {
     let rate = RATE * (-ENERGY / 8.314_462_618 * (1.0 / temperature - 1.0 / REFERENCE)).exp();
     let law = MaxwellNorton::from_reference_rate(KAPPA, rate, 10e6).unwrap();
     noisy(&by_the_chain(&law, velocity), 0.01, seed)
 }
 
-/// Law, parameters at the reference temperature and activation energy come back from three tests at
-/// two temperatures within their errors; without their temperatures, the same tests do not agree
-/// with a Norton rod.
+/// Law, parameters at the reference temperature and activation energy are recovered from three
+/// tests at two temperatures within their errors; without their temperatures, the same tests do not
+/// agree with a Norton rod.
 #[test]
 fn an_activation_energy_is_found_with_the_law() {
     let conditions = [(5.0, 293.15), (20.0, 293.15), (10.0, 318.15)];

@@ -54,9 +54,8 @@ fn left(comparison: &Comparison) -> Vec<Law> {
     laws.collect()
 }
 
-/// A third and three fifths of the modulus in the spring: with three fifths Norton's law alone
-/// explains the data with a misfit of some per cent, and it was named as long as no law had an
-/// equilibrium.
+/// A third and three fifths of the modulus in the spring: with three fifths Norton's law alone fits
+/// the data with a misfit of some per cent, and would be named if no candidate had an equilibrium.
 #[test]
 fn a_solid_with_an_equilibrium_is_named() {
     for share in [0.3, 0.6] {
@@ -84,8 +83,8 @@ fn a_law_without_an_equilibrium_is_not_lost() {
     }
 }
 
-/// Errors of the parameters over 20 draws: squares of z scores about 1, E and the exponent by the
-/// values, share and rate by their logarithms.
+/// The mean square of the errors of each parameter in standard errors is about 1 over 20 draws;
+/// errors of shares and rates are those of their logarithms.
 #[test]
 fn errors_of_a_solid_cover() {
     fn scores<L: InelasticLaw>(law: &L, share: f64, truth: [f64; 4]) -> Vec<[f64; 4]> {
@@ -115,8 +114,8 @@ fn errors_of_a_solid_cover() {
     }
 }
 
-/// Scores of the quantities over 4 draws. The line computes the linear `material` in parallel with
-/// Norton's branch of the modulus [`MODULUS`], at two velocities.
+/// Checks the scores of the quantities over 4 draws, for the linear `material` in parallel with a
+/// Norton branch of modulus [`MODULUS`], computed by `rodwave::line` at two velocities.
 fn check_beside_a_branch(material: &GeneralisedMaxwell, law: Law, truths: &[(&str, f64)]) {
     let branch = (MODULUS, norton(60.0));
     let exact = at_two_velocities(|velocity| beside_a_branch(material, branch, velocity));

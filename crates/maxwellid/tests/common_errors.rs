@@ -26,8 +26,8 @@ fn rod(length: f64, velocity: f64) -> VirtualRod {
     struck(length, velocity, MODULUS, &law, 100)
 }
 
-/// The records of `rod` by a laboratory that takes its length as `1 + length` times the true one
-/// and whose response reads `gain` times the motion, `delay` late.
+/// The records of `rod` with a stated length of `1 + length` times the true one, and with a
+/// response that is `gain` times the motion and recorded `delay` late.
 fn recorded(rod: &VirtualRod, length: f64, (gain, delay): (f64, f64), seed: u64) -> RodTestData {
     let mut data = rod.data.clone();
     let history = SampledHistory::new(&data.response, RATE).unwrap();
@@ -71,8 +71,8 @@ fn scores(found: &Identification<Maxwell>) -> [f64; 2] {
 }
 
 /// Three rods, each with its own error of length, and one pair of transducers for all. The mean
-/// square of 2 x 24 scores has a standard deviation of 0.2; without the stated errors it is some
-/// hundred.
+/// square of 2 x 24 scores has a standard deviation of 0.2; without the stated errors the mean
+/// square is some hundred.
 #[test]
 fn intervals_cover_errors_of_lengths_and_transducers() {
     let rods = [0.2, 0.3, 0.4].map(|length| rod(length, V0));
@@ -107,7 +107,7 @@ fn intervals_cover_errors_of_lengths_and_transducers() {
 }
 
 /// Records of a thin rod of constant Q, by the closed form 1/cosh(γL) on the line s = σ + iω. The
-/// blow rises within 60 us, so that it has no content above half of the sampling rate.
+/// impact rises within 60 us, so that it has no content above half of the sampling rate.
 fn closed_form(length: f64) -> RodTestData {
     const PERIOD: usize = 1024;
     const SAMPLES: usize = 220;
@@ -148,7 +148,8 @@ fn closed_form(length: f64) -> RodTestData {
 }
 
 /// Rods with errors of their lengths far above the noise: the fit settles, and finds the lengths
-/// relative to each other. Linearised about the stated lengths, it alternated between two minima.
+/// relative to each other. Linearised about the stated lengths, it would alternate between two
+/// minima.
 #[test]
 fn errors_of_lengths_far_above_the_noise_are_followed() {
     let (noise, stated) = (0.02, 2e-3);
@@ -178,7 +179,7 @@ fn errors_of_lengths_far_above_the_noise_are_followed() {
     assert!(!found.flags().contains(&FitFlag::Unsettled));
     let values: Vec<f64> = found.common_errors().iter().map(|e| e.value).collect();
     for (pair, truth) in values.windows(2).zip(errors.windows(2)) {
-        // noise leaves some 3e-5
+        // the error due to noise is about 3e-5
         let (found, truth) = (pair[0] - pair[1], truth[1] - truth[0]);
         assert!((found - truth).abs() < 1.5e-4, "{found} for {truth}");
     }
@@ -246,7 +247,7 @@ fn transducers_that_err_beyond_what_is_stated_are_found() {
         assert!(found.standard_error < largest, "{found:?}");
     }
     assert!(scores(&found).iter().all(|z| z.abs() < 3.0));
-    // stated transducers are not overruled
+    // no error is added to tests that state errors of their transducers
     assert!(with_unstated_transducers(&allowed).is_none());
 }
 

@@ -11,10 +11,10 @@ const LENGTH: f64 = 0.4;
 /// Noise of either history: 1 % of V0.
 const NOISE: f64 = 0.1;
 
-/// The parameters of polypropylene as Table 4 prints them, read literally: an elastic rod. The
-/// noise of both histories must not turn it into another law (a parameter that is named in a fifth
-/// of such records is missed by twelve records with a probability of 7 %): where the search ends at
-/// its bound, only E is identified.
+/// The printed parameters of polypropylene in Table 4, taken literally, are those of an elastic
+/// rod. From records with noise on both histories no parameter other than E may be identified, and
+/// some searches end at a bound. A fault that identifies another parameter in a fifth of such
+/// records is missed by twelve records with a probability of 7 %.
 #[test]
 fn noise_on_both_histories_is_no_law() {
     let truth = MaxwellNorton::new(2.108, 38.16e18).unwrap();

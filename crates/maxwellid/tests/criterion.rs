@@ -1,5 +1,5 @@
-//! The criterion of paper D, summed up by hand from the two velocity histories: pattern, vectors,
-//! sum of squares, gradient, error.
+//! The criterion of paper D, computed here from the two velocity histories: pattern, vectors, sum
+//! of squares, gradient, error.
 
 use crate::virtual_rod;
 
@@ -15,13 +15,13 @@ use virtual_rod::{DENSITY, RATE, V0, struck};
 const CELL: f64 = 4e-3;
 const MODULUS: f64 = 2.6e9;
 
-/// Two lengths, Q = 2, with noise on both histories.
+/// Records of two rods of different length (Q = 2), with noise on both histories.
 fn records<L: InelasticLaw>(law: &L) -> [RodTestData; 2] {
     [(0.2, 1), (0.4, 2)]
         .map(|(length, seed)| struck(length, V0, MODULUS, law, 96).noisy(0.02, seed))
 }
 
-/// v_r^s of eq. 11 and its derivatives, by the direct problem alone.
+/// v_r^s of eq. 11 and its derivatives, computed by the direct problem alone.
 fn simulated<L: InelasticLaw>(data: &RodTestData, modulus: f64, law: &L, n: usize) -> Response {
     let excitation = SampledHistory::new(&data.excitation, RATE).unwrap();
     let rod = InelasticRod::new(data.length, DENSITY, modulus, law.clone()).unwrap();
@@ -46,8 +46,8 @@ fn criterion<L: InelasticLaw>(records: &[RodTestData], modulus: f64, law: &L) ->
     })
 }
 
-/// Eq. 12, the error δ below Table 4, and the minimum of H at the identified parameters. (Ödeen
-/// 1993, paper D, eqs. 10, 11 and 12).
+/// The sum of squares of eq. 12, the error δ below Table 4, and the minimum of H at the identified
+/// parameters (Ödeen 1993, paper D, eqs. 10, 11 and 12).
 #[test]
 fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     let records = records(&Maxwell::new(4e6).unwrap());
@@ -70,7 +70,8 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     };
     let (least, count) = at(modulus, viscosity);
     let delta = (least / count).sqrt() / V0;
-    // the same march twice: rounding of some hundred steps against a residual of 2e-3
+    // both run the same march, so that only the rounding of some hundred steps differs, relative to
+    // a residual of 2e-3
     assert!(
         (delta / fit.relative_error() - 1.0).abs() < 1e-9,
         "{delta} {}",
@@ -79,9 +80,9 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     // 2e-3 of the response itself, and twice that of the excitation for each of up to eight
     // arrivals of the wave at the free end of the short rod within the window
     assert!((2e-3..2e-3 * 33f64.sqrt()).contains(&delta), "{delta}");
-    // The bottom of a parabola through three points a twentieth of a standard error apart, from
-    // where the search has stopped: where a step would lower H by less than 1e-10 of itself,
-    // that is, by 1e-4 standard errors with some hundred samples.
+    // Distance of the bottom of a parabola, through three points a twentieth of a standard error
+    // apart, from the end of the search. The search ends where a step would lower H by less than
+    // 1e-10 of itself, which is about 1e-4 standard errors for some hundred samples.
     let part = 0.05;
     for step in [(part * of_modulus, 0.0), (0.0, part * of_viscosity)] {
         let side = |sign: f64| at(modulus + sign * step.0, viscosity + sign * step.1).0;
@@ -92,8 +93,8 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     }
 }
 
-/// Gradient off the minimum, where it is not zero (Ödeen 1993, paper D, eq. 13): 2 Σ (∂v/∂p)ᵀ (v -
-/// measured) against central differences of eq. 12.
+/// Gradient away from the minimum (Ödeen 1993, paper D, eq. 13): 2 Σ (∂v/∂p)ᵀ (v - measured) is
+/// compared with central differences of eq. 12.
 #[test]
 fn gradient_is_that_of_the_sum_of_squares() {
     let records = records(&MaxwellNorton::new(2.0, 4e13).unwrap());
@@ -138,7 +139,7 @@ fn gradient_is_that_of_the_sum_of_squares() {
     }
 }
 
-/// Eq. 9, divided by V0. (Ödeen 1993, paper D, eq. 9).
+/// The pattern is |v_e - v_r| or v_e - v_r, divided by V0 (Ödeen 1993, paper D, eq. 9).
 #[test]
 fn pattern_is_the_difference_of_the_two_velocities() {
     let [data, _] = records(&Maxwell::new(4e6).unwrap());

@@ -1,4 +1,4 @@
-//! Laws that hold for any struck rod, and numbers at the ends of the floating-point range.
+//! Properties of every struck rod, and numbers at the ends of the floating-point range.
 
 mod extremes_values;
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
@@ -15,7 +15,7 @@ pub(crate) const MODULUS: f64 = 2.6e9;
 pub(crate) const RATE: f64 = 51_200.0;
 pub(crate) const V0: f64 = 10.0;
 
-/// A rise over eight samples after 32 of rest, and a slow wave on top.
+/// A history with a rise over eight samples after 32 samples of rest, and a slow wave on top.
 pub(crate) fn excitation(velocity: f64) -> Vec<f64> {
     (0..176)
         .map(|k| {

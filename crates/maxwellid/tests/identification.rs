@@ -1,5 +1,5 @@
-//! Identification of virtual tests made by the lumped chain and the striker, and what it must
-//! refuse or doubt.
+//! Identification of virtual tests made by the lumped chain and the striker, and the tests and
+//! results that it must refuse or flag.
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Noise, Provenance, RodTest, RodTestData,
@@ -60,7 +60,8 @@ fn a_round_trip_ends_at_rounding() {
 
 #[test]
 fn independent_data_without_noise_give_the_parameters_of_each_law() {
-    // the fit's own errors: a grid of 1e-4 of V0 and the interpolation of the excitation
+    // the remaining errors are those of the grid, 1e-4 of V0, and of the interpolation of the
+    // excitation
     let fit = Fit::of(Maxwell::new(1e6).unwrap())
         .with_accuracy(1e-4)
         .to(&[independent_test(3.056e9, &Maxwell::new(11.12e6).unwrap())])
@@ -81,8 +82,7 @@ fn independent_data_without_noise_give_the_parameters_of_each_law() {
     );
 }
 
-/// κ identified from a rod struck by a flat projectile and seen through a recorder of the given
-/// rate.
+/// κ identified from a rod struck by a flat projectile and recorded at the given rate.
 fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
     let acquisition = Acquisition {
         recorder: Recorder {

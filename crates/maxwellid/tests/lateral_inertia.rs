@@ -147,8 +147,8 @@ fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 70.0, 10e6).unwrap()
 }
 
-/// Lateral inertia changes the response by more than 1 % of the velocity. Of this, the modes and the
-/// interpolation between samples leave 0.03 %.
+/// Lateral inertia changes the response by more than 1 % of the velocity. The errors of the modes
+/// and of the interpolation between samples are 0.03 %.
 #[test]
 fn linear_rods_are_those_of_loves_equation() {
     let thick = integrated(&Material {
@@ -167,8 +167,8 @@ fn linear_rods_are_those_of_loves_equation() {
     }
 }
 
-/// Nonlinear rods: with cells of 0.5 mm, a hundredth of the shortest wave, less than 3 % of the
-/// effect of lateral inertia remains.
+/// Nonlinear rods on cells of 0.5 mm, a hundredth of the shortest wave: the error is less than 3 %
+/// of the effect of lateral inertia.
 #[test]
 fn nonlinear_rods_are_those_of_loves_equation() {
     let single = RodModel::parameters(&norton(), MODULUS);

@@ -9,8 +9,7 @@ use maxwellid::{Fit, Law, MaxwellidError, Noise, RodModel, RodTest, Verdict};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use virtual_tests::{MODULUS, by_the_chain, in_order, in_parallel, noisy, rounded};
 
-/// Tests at one velocity with two per cent of noise, for which minima are flat and there are
-/// several.
+/// Tests at one velocity with two per cent of noise have several flat minima.
 #[test]
 fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -34,7 +33,8 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
                 .fold(0.0, |low, p| f64::min(low, p.rise));
             // a thirtieth of the threshold of 3.84
             assert!(lowest > -0.1, "{seed}: {} {lowest}", profile.parameter);
-            // an identified parameter has an interval, and the standard error is a quarter of it
+            // an identified parameter has a closed interval, which is about four standard errors
+            // wide
             let error = judged.coordinate_errors[index];
             if judged.estimates[index].verdict == Verdict::Identified {
                 let width = profile.upper.unwrap() - profile.lower.unwrap();
@@ -66,7 +66,7 @@ fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
         let high = 10e6 / profiles[1].lower.unwrap().exp();
         let half = 1.96 * viscosity.standard_error * viscosity.value;
         assert!(viscosity.value - half <= low, "{seed}");
-        // 1.96 has three digits
+        // 1.96 is rounded to three digits
         let reach = half / (high - viscosity.value);
         assert!((0.999..1.001).contains(&reach), "{seed}: {reach}");
         let linear = judged.coordinate_errors[1];
@@ -74,8 +74,8 @@ fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
     }
 }
 
-/// A start at the wrong exponent and rate of a valley: if a profile finds a lower point, the fit
-/// continues from it.
+/// The fit starts in a valley with the wrong exponent and rate; a profile finds a lower point, and
+/// the fit continues from it.
 #[test]
 fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -95,8 +95,9 @@ fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
 }
 
 /// The weights and the most likely excitation are those of the estimate, whatever a fit starts
-/// from: for these seeds the usual starts led to exponents of 0.79, 1.10 and 0.74, and starts at
-/// the true exponent of 2.0 led to 2.53, 1.74 and 1.89.
+/// from: with the weights and excitations of the starts, the usual starts would lead to exponents
+/// of 0.79, 1.10 and 0.74 for these seeds, and starts at the true exponent of 2.0 to 2.53, 1.74 and
+/// 1.89.
 #[test]
 fn r13_two_starts_lead_to_one_estimate() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -110,7 +111,7 @@ fn r13_two_starts_lead_to_one_estimate() {
         let judged = own.identifiability(Noise::Stated).unwrap();
         for (index, error) in judged.coordinate_errors.iter().enumerate() {
             let apart = (own.parameters()[index] - other.parameters()[index]) / error;
-            // the alternation ends at movements of 0.05
+            // the alternation ends when the parameters move by less than 0.05 standard errors
             assert!(apart.abs() < 0.2, "{seed}: {index} {apart}");
             let truth = [2.6e9_f64.ln(), 2.0, 8.0_f64.ln()][index];
             let off = (own.parameters()[index] - truth) / error;
@@ -193,7 +194,7 @@ fn r13_what_the_excitation_follows_is_not_identified() {
     let expected = RodModel::parameters(&truth, MODULUS);
     let of_round = (50_038..50_044).map(|seed| (&round, 0.02, seed));
     let cases: Vec<_> = of_round.chain([(&sharp, 0.005, 50_000)]).collect();
-    // exponent and logarithm of the rate: their errors in standard errors, where they count as
+    // errors of the exponent and of the logarithm of the rate in standard errors, if they count as
     // identified
     let identified = in_parallel(&cases, |(exact, noise, seed)| {
         let tests = [noisy(exact, *noise, *seed)];

@@ -17,7 +17,7 @@ fn ratio_error(found: f64, expected: f64) -> f64 {
 fn a_minimum_of_another_period_is_found_and_left() {
     let truth = Maxwell::new(4e6).unwrap();
     let test = RodTest::new(struck(0.4, 10.0, 3e9, &truth, 100).data).unwrap();
-    // 60 % more or half as much: the front is 50 us early or 100 us late, of a pulse of 60 us
+    // with these moduli the front is 50 us early or 100 us late; the pulse lasts 60 us
     for wrong in [1.6 * 3e9, 0.5 * 3e9] {
         let fit = Fit::of(truth)
             .starting_from(wrong)
@@ -44,7 +44,7 @@ fn a_minimum_of_another_period_is_found_and_left() {
         .sum();
     assert!(
         left > 0,
-        "no start led to a wrong minimum: the test tests nothing"
+        "no start led to a wrong minimum, so that this test proves nothing"
     );
 }
 
@@ -63,7 +63,7 @@ fn many_starts_end_where_one_does_and_tell_where_each_led() {
         .to(&[test])
         .unwrap();
     for (a, b) in one.parameters().iter().zip(many.parameters()) {
-        // both ends leave less than 1e-10 of the sum of squares
+        // both iterations end where a step would reduce the sum of squares by less than 1e-10
         assert!(
             (a - b).abs() < 1e-4,
             "{:?} {:?}",

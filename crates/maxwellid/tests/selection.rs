@@ -1,4 +1,5 @@
-//! Selection of a law: the right one from two impact velocities, and doubts where they belong.
+//! Selection of a law: the right one is named from two impact velocities, and doubts are stated
+//! where the data do not decide.
 
 use crate::virtual_tests;
 
@@ -15,8 +16,8 @@ fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap()
 }
 
-/// One test at 3 m/s and one at 27 m/s. The exponential law comes within about 15 of the power law
-/// in χ² at 4 and 24 m/s already, within 6 at 5 and 15 m/s. `claims/selection.rs` has five more
+/// One test at 3 m/s and one at 27 m/s. The χ² of the exponential law exceeds that of the power law
+/// by only about 15 at 4 and 24 m/s, and by 6 at 5 and 15 m/s. `claims/selection.rs` has five more
 /// draws.
 #[test]
 fn a_norton_law_is_named_from_two_velocities() {
@@ -25,7 +26,7 @@ fn a_norton_law_is_named_from_two_velocities() {
     let comparisons = in_parallel(&seeds, |seed| compare(Candidate::standard(), &exact, *seed));
     let names: Vec<String> = comparisons.iter().map(named).collect();
     let right = names.iter().filter(|name| *name == "Maxwell-Norton");
-    // nine of ten, or all of the usual four
+    // at least nine of ten, which are all of the usual four
     assert!(10 * right.count() >= 9 * names.len(), "{names:?}");
     for comparison in &comparisons {
         let law = &comparison.laws[6];
@@ -35,7 +36,7 @@ fn a_norton_law_is_named_from_two_velocities() {
             "{:?}",
             law.parameters
         );
-        // 288 samples minus 3 parameters, ± 24, with four standard deviations
+        // 288 samples minus 3 parameters; the limits are four standard deviations of 24
         assert!((law.chi_square - 285.0).abs() < 96.0, "{}", law.chi_square);
         assert!(comparison.advice.is_empty(), "{:?}", comparison.advice);
     }
@@ -91,8 +92,9 @@ fn without_linear_competitors_nothing_is_called_nonlinear() {
     );
 }
 
-/// Noise of unknown level leaves the order of the laws unchanged and refutes none of them. Noise
-/// estimated from a few samples refutes less surely than known noise.
+/// If the level of the noise is unknown, the order of the laws is unchanged and none of them is
+/// refuted. If it is estimated from a few samples, laws are refuted less strongly than with known
+/// noise.
 #[test]
 fn noise_that_is_not_known_refutes_less() {
     let exact = by_the_line(&constant_q_stack(0.07), 10.0);
@@ -107,8 +109,8 @@ fn noise_that_is_not_known_refutes_less() {
     let estimated = with(20.0).compare(&tests).unwrap();
     assert!(estimated.laws[1].adequacy.unwrap() < 1e-3, "{estimated:?}");
     let of_known = known.compare(&tests).unwrap();
-    // half the noise: χ² is four times the samples, which twenty samples at rest refute less surely
-    // than a known level
+    // with half the noise stated, χ² is four times the number of samples, which refutes a law less
+    // strongly if the level is estimated from twenty samples at rest
     assert!(of_known.laws[1].adequacy.unwrap() < estimated.laws[1].adequacy.unwrap());
 }
 
@@ -141,8 +143,9 @@ fn requests_without_sense_are_refused() {
 }
 
 /// Noise of 3 % on records in which three quarters of the frequencies have no signal: a law must
-/// not be preferred because it happens to filter the noise of the excitation well. Without a limit
-/// of the excitation to the signal, Maxwell's law was left out in seven of 24 such tests.
+/// not be preferred because it happens to filter the noise of the excitation well. If the
+/// excitation is not limited to the band of the signal, Maxwell's law is left out in seven of 24
+/// such tests; with the limit, in none.
 #[test]
 fn noise_beyond_the_signal_does_not_choose_a_law() {
     let laws = [
@@ -165,6 +168,5 @@ fn noise_beyond_the_signal_does_not_choose_a_law() {
             _ => false,
         }
     });
-    // with a limit, in none of 24
     assert!(is_left.iter().all(|left| *left), "{is_left:?}");
 }

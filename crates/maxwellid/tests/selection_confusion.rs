@@ -53,8 +53,8 @@ fn laws_are_confused_with_their_limits_only_and_probabilities_are_honest() {
         }
     }
     let count = cases.len() as f64;
-    // the Brier score of eight equal probabilities is 0.875; with five classes of near certainty,
-    // the limit is the score of one wrong answer in ten
+    // the Brier score of eight equal probabilities is 0.875; the limit is the score if one answer
+    // in five is certain and wrong
     assert!(score / count < 0.4, "{} {confusion:?}", score / count);
     assert!(of_truth / count > 0.6, "{} {confusion:?}", of_truth / count);
     // no law of the other kind is named: linear for nonlinear or the reverse

@@ -28,9 +28,9 @@ fn the_stack_of_branches_has_a_constant_loss_factor() {
     }
 }
 
-/// A record of each material; `claims/selection.rs` has six more of one of them. A verdict that is
-/// nonlinear in a quarter of such records is missed by the ten with a probability of 6 %;
-/// `SEEDS=100` takes a hundred records.
+/// A record of each material; `claims/selection.rs` has six more of one of them. A fault that gives
+/// a nonlinear verdict for a quarter of such records is missed by the ten with a probability of
+/// 6 %; `SEEDS=100` evaluates a hundred of them.
 #[test]
 fn constant_q_at_one_velocity_is_not_called_nonlinear() {
     let exact = LOSS_FACTORS.map(|loss| [by_the_line(&constant_q_stack(loss), 10.0)]);
@@ -44,8 +44,8 @@ fn constant_q_at_one_velocity_is_not_called_nonlinear() {
         .filter(|c| c.is_nonlinear_verdict())
         .count();
     assert_eq!(nonlinear, 0);
-    // the right law, or laws of flat loss that cannot be distinguished from it, are not refuted:
-    // 0.1 % each
+    // the right law, or laws of flat loss that cannot be distinguished from it, are not refuted;
+    // each would be with a probability of 0.1 %
     let refuted = comparisons.iter().filter(|c| named(c) == "none").count();
     assert_eq!(refuted, 0);
     for comparison in &comparisons {

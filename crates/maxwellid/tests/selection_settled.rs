@@ -1,5 +1,5 @@
-//! Comparisons that do not depend on the order of anything, and laws that are never worse than
-//! their special cases.
+//! Comparisons that do not depend on the order of tests or candidates, and laws that are never
+//! worse than their special cases.
 
 use crate::virtual_tests;
 
@@ -61,8 +61,8 @@ fn assert_same(one: &Comparison, other: &Comparison) {
 }
 
 /// Rods of constant loss factor, each test alone and any two together: the joint χ² exceeds the sum
-/// of the two by no more than chi-square of the two parameters that the second test shares, at a
-/// level of 1e-4.
+/// of the two by no more than the 1e-4 quantile of chi-square with two degrees of freedom, for the
+/// two parameters that the tests share.
 #[test]
 fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
     let exact = [3.0, 10.0, 27.0].map(|v| by_the_line(&constant_q_stack(0.07), v));
@@ -95,8 +95,8 @@ fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
     }
 }
 
-/// A general law explains the data at least as well as any of its special cases, whatever made
-/// them.
+/// A general law explains the data at least as well as any of its special cases, whatever law the
+/// data come from.
 #[test]
 fn r01_no_law_is_worse_than_its_special_case() {
     let zener = GeneralisedMaxwell::new(
@@ -108,7 +108,8 @@ fn r01_no_law_is_worse_than_its_special_case() {
     )
     .unwrap();
     let norton = MaxwellNorton::from_reference_rate(3.0, 20.0, 10e6).unwrap();
-    // in the first and the last case, two branches do not find one branch from their own starts
+    // in the first and the last case, fits of two branches from their own starts do not find the
+    // fit of one branch
     let data = [
         (NOISE, 100, by_the_chain(&Maxwell::new(2e6).unwrap(), 10.0)),
         (NOISE, 20, by_the_line(&zener, 10.0)),
@@ -141,13 +142,14 @@ fn r01_no_law_is_worse_than_its_special_case() {
             );
         }
     }
-    // for data of a Zener rod, two branches of which one is unbounded are that rod
+    // for data of a Zener rod, two branches with one unbounded relaxation time are equivalent to
+    // the law Zener
     let two = law(&comparisons[1], Law::TwoMaxwellBranches);
     assert_eq!(
         two.with_limit(),
         "two Maxwell branches, of which one has an unbounded relaxation time, which is the law Zener"
     );
-    // for data of a Norton rod, the spring beside it is not needed
+    // for data of a Norton rod, the spring in parallel is not needed
     let solid = law(&comparisons[2], Law::ZenerNorton);
     assert_eq!(
         solid

@@ -1,5 +1,5 @@
-//! Change of the parameters with length and density of the specimen: by fits of the same histories
-//! to another specimen.
+//! Change of the parameters with length and density of the specimen, found from fits of the same
+//! histories to another specimen.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Nonlinear rods identified through the filter of a recorder, from tests in physical order:
-//! striker, rod, filter, samples, noise.
+//! Nonlinear rods identified through the filter of a recorder, from tests simulated in physical
+//! order: striker, rod, filter, sampling, noise.
 //!
 //! The generator is the lumped chain of striker and rod; the filter is a differential equation,
 //! integrated step by step. Neither shares anything with the solver, with its impulse response, or
@@ -30,7 +30,7 @@ const MODULUS: f64 = 3e9;
 const LENGTH: f64 = 0.394;
 const RATE: f64 = 51_200.0;
 const CUTOFF: f64 = 17_920.0;
-/// Number of samples before the contact, and in all.
+/// Number of samples before the contact, and total number of samples.
 const BEFORE: usize = 40;
 const SAMPLES: usize = 168;
 
@@ -55,8 +55,9 @@ fn butterworth_at(cutoff: f64) -> RecorderFilter {
     .unwrap()
 }
 
-/// Returns the samples behind the filter, `late` \[s\], of a history at (k + 1/2) `step`: x'' +
-/// (ω/Q) x' + ω² x = ω² u for each section by the method of Runge and Kutta, u linear in each step.
+/// Returns the samples of a history, given at (k + 1/2) `step`, after the filter and recorded
+/// `late` \[s\] too late. Each section of the filter is x'' + (ω/Q) x' + ω² x = ω² u, integrated by
+/// the method of Runge and Kutta with u linear in each step.
 fn recorded(history: &[f64], step: f64, late: f64) -> Vec<f64> {
     let omega = std::f64::consts::TAU * CUTOFF;
     let mut passed: Vec<f64> = std::iter::once(0.0)
@@ -107,7 +108,7 @@ fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> [Vec<f64>; 2] {
     struck_and_late(law, velocity, 0.0)
 }
 
-/// Returns the histories of [`struck`] with the response recorded `late` \[s\].
+/// Returns the histories of [`struck`] with the response recorded `late` \[s\] too late.
 fn struck_and_late<L: InelasticLaw>(law: &L, velocity: f64, late: f64) -> [Vec<f64>; 2] {
     let history = ImpactTest {
         striker: Striker {
@@ -214,8 +215,9 @@ fn parameters_come_back_within_their_errors() {
 }
 
 /// With an eighth of the noise, the rounding of a front by the grid of the excitation would be
-/// noticeable: E, shape and rate of Gurevich-Rabinovich were off by 9, 7.5 and 6.5 standard errors
-/// (root mean square), E of Norton by 6.5. The remaining error, 0.1 % of E, is 2.2 standard errors.
+/// noticeable: E, shape and rate of Gurevich-Rabinovich would be off by 9, 7.5 and 6.5 standard
+/// errors (root mean square), E of Norton by 6.5. The remaining error, 0.1 % of E, is 2.2 standard
+/// errors.
 #[test]
 fn a_front_between_two_points_of_the_grid_biases_no_parameter() {
     let pairs = [
@@ -297,9 +299,9 @@ fn no_grid_is_refined_for_a_wrong_filter() {
 }
 
 /// A delay between the transducers of two thirds of a sample, with a stated uncertainty of ±5 us,
-/// is found with the parameters, by the fit and by the comparison of laws. With the transfer from
-/// excitation to a response without delay the delay was off by five standard errors, and in eight
-/// such tests the comparison rejected every law.
+/// is found with the parameters, by the fit and by the comparison of laws. If the transfer from
+/// excitation to response did not contain the delay, the estimate of the delay would be off by five
+/// standard errors, and in eight such tests the comparison would reject every law.
 #[test]
 fn a_delay_of_most_of_a_sample_is_found() {
     fn checked<L: InelasticLaw + maxwellid::IdentifiableLaw>(truth: &L, law: Law) {
@@ -341,7 +343,8 @@ fn a_delay_of_most_of_a_sample_is_found() {
     checked(&Maxwell::new(4e6).unwrap(), Law::Maxwell);
 }
 
-/// A linear model not declared as linear, and therefore driven before the filter.
+/// A linear model that is not declared as linear, and is therefore driven by the excitation before
+/// the filter.
 #[derive(Debug, Clone)]
 struct Unsaid(Arc<dyn RodModel>);
 
@@ -388,7 +391,8 @@ impl RodModel for Unsaid {
     }
 }
 
-/// Both histories of a Zener rod struck at 10 m/s by an elastic striker, by the line of bars.
+/// Both histories of a Zener rod struck at 10 m/s by an elastic striker, computed by
+/// `rodwave::line`.
 fn struck_solid() -> [Vec<f64>; 2] {
     let branch = MaxwellBranch {
         modulus: 0.8e9,
@@ -410,8 +414,8 @@ fn struck_solid() -> [Vec<f64>; 2] {
     [&near, &run.ends[1].velocity].map(|history| recorded(history, run.grid.time_step, 0.0))
 }
 
-/// A linear rod commutes with the filter: driven behind it or before it, the estimates and their
-/// errors are the same.
+/// A linear rod commutes with the filter: driven by the excitation after the filter or before it,
+/// it gives the same estimates and errors.
 #[test]
 fn a_linear_rod_may_be_driven_behind_the_filter() {
     let maxwell = struck(&Maxwell::new(4e6).unwrap(), 10.0);
@@ -434,7 +438,8 @@ fn a_linear_rod_may_be_driven_behind_the_filter() {
         let each = behind.parameters().iter().zip(before.parameters());
         for (index, (a, b)) in each.enumerate() {
             let (error, other) = (of_behind[index], of_before[index]);
-            // the grids of the rod and of its transfer differ: a tenth of the noise
+            // the grids of the rod and of its transfer differ, which is an error of about a tenth
+            // of the noise
             assert!((a - b).abs() < 0.2 * error, "{index}: {a} {b} ± {error}");
             assert!(
                 (other / error - 1.0).abs() < 0.1,

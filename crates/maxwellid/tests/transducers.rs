@@ -31,7 +31,7 @@ fn displacements_give_the_linear_law_that_made_them() {
         &transducers(f64::INFINITY, Some((1e-7, 1e-7))),
     )
     .unwrap();
-    // seven points lose three at either end
+    // a filter of seven points needs three samples at either end
     assert_eq!(test.response().len(), 142 - 6 - 16);
     assert!(test.flags().is_empty());
     let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap();
@@ -52,7 +52,8 @@ fn displacements_give_the_linear_law_that_made_them() {
 fn intervals_from_noisy_displacements_cover_and_scatter_as_stated() {
     let truth = Maxwell::new(4e6).unwrap();
     let rod = struck(0.4, V0, 3e9, &truth, 100);
-    // a micrometre: a five-thousandth of the range of 5 mm, 0.4 % of V0 after the differentiator
+    // one micrometre is a five-thousandth of the range of 5 mm, and gives 0.4 % of V0 after the
+    // differentiator
     let noise = 1e-6;
     let (mut covered, mut squares) = (0, 0.0);
     let seeds = 24;
@@ -74,8 +75,8 @@ fn intervals_from_noisy_displacements_cover_and_scatter_as_stated() {
             fit.ratio_to_noise()
         );
     }
-    // 24 draws of a probability 0.95: fewer than 20 happens once in 200; their mean square is
-    // chi-squared divided by 24
+    // of 24 draws with a probability of 0.95 fewer than 20 lie inside once in 200 times; the mean
+    // square is chi-square divided by 24
     assert!(covered >= 20, "{covered} of {seeds}");
     let mean_square = squares / seeds as f64;
     assert!((0.35..2.1).contains(&mean_square), "{mean_square}");
@@ -89,7 +90,8 @@ fn noise_is_taken_from_the_quiet_part() {
         .with_noise_of_quiet_part()
         .unwrap();
     let noise = test.noise().unwrap();
-    // 190 and 200 samples: known to 5 %, three standard deviations
+    // from 190 and 200 samples the levels are known to 5 %; the limits are three standard
+    // deviations
     assert!(ratio_error(noise.excitation.standard_deviation(), 0.1) < 0.16);
     assert!(ratio_error(noise.response.standard_deviation(), 0.1) < 0.16);
     let short = struck_before(0.4, V0, 3e9, &Maxwell::new(4e6).unwrap(), 25, 100);
@@ -130,13 +132,13 @@ fn a_displacement_out_of_range_ends_the_window_and_is_flagged() {
             _ => None,
         });
         let time = of_response.unwrap();
-        // the excitation moves as far, a little later or earlier
+        // the excitation moves as far at a slightly different time
         assert_eq!(test.flags().len(), if stuck { 1 } else { 2 });
         assert!((time * RATE - expected as f64).abs() < 1e-6);
         assert!(test.response().len() <= expected - 6);
         let text = test.flags()[test.flags().len() - 1].to_string();
         assert!(text.starts_with("the transducer of the response is out of range from"));
-        // a window cannot extend beyond it
+        // a window cannot extend beyond the clipped sample
         let samples = test.response().len();
         let end = test.times()[samples - 1];
         if let Ok(longer) = test.clone().with_window(end + 2.0 / RATE) {
@@ -178,7 +180,7 @@ fn a_calibration_holds_what_the_data_cannot_see() {
         (excitation.name, response.name),
         ("excitation gain", "response gain")
     );
-    // the gain that is known better keeps its uncertainty, the other is tied to it by the data
+    // the gain that is known better keeps its uncertainty, and the data determine the other from it
     assert!(
         ratio_error(response.standard_error, 0.01) < 0.15,
         "{response:?} {excitation:?}"

@@ -31,13 +31,14 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     let ranked = design.rank(law, &rival, &planned).unwrap();
     let repetition = ranked.iter().find(|(index, _)| *index == 0).unwrap().1;
     let alone = design.separation(law, &rival, &[]).unwrap();
-    // twice the data have twice the information
+    // twice the data contain twice the information
     assert!(
         (repetition / alone - 2.0).abs() < 0.3,
         "{repetition} {alone}"
     );
     assert_eq!(ranked[0].0, 2, "{ranked:?}");
-    // at half the velocity a power law of κ = 2 damps half as much: less than a repetition
+    // the test at 25 m/s separates the laws most; at half the velocity a power law of κ = 2 damps
+    // only half as much
     assert!(ranked[0].1 > 3.0 * repetition, "{ranked:?}");
 
     // a repetition reduces an error by the root of two, a second velocity reduces that of the
@@ -45,9 +46,9 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     let before = design.deviations(law, &[]).unwrap();
     let repeated = design.deviations(law, &planned[..1]).unwrap();
     let faster = design.deviations(law, &planned[2..]).unwrap();
-    // a repetition adds as much information as there is, but the prior P not again: from A to 2A -
-    // P, where A = P + I. The ratio of variances is between 2 - λ and 2, λ the largest
-    // eigenvalue of P A⁻¹, which is less than its trace
+    // a repetition adds the information I of the first test again, but not the prior P: A = P + I
+    // becomes 2A - P. The ratio of variances is between 2 - λ and 2, with λ the largest eigenvalue
+    // of P A⁻¹, which is less than its trace
     let priors = [0.15, 3.5 / 4.0, 1e6_f64.ln() / 4.0];
     let trace: f64 = before
         .iter()
@@ -63,7 +64,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
         );
     }
     assert!(faster[1] < 0.7 * repeated[1], "{faster:?} {repeated:?}");
-    // three more tests of the same kind: four times the information
+    // with three more tests of the same kind there is four times the information
     let thrice = vec![planned[0].clone(); 3];
     let three = design.deviations(law, &thrice).unwrap();
     for (before, three) in before.iter().zip(&three) {
@@ -76,7 +77,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     assert!(PlannedTest::at_velocity(&tests[0], 0.0).is_err());
 }
 
-/// Sixty standard samples per law, as in the paper: the meaning of the numbers and its limits.
+/// The paper's classifier with sixty standard samples per law, as in the paper, and its limits.
 #[test]
 fn the_classifier_of_the_paper_is_what_it_is() {
     let exact = by_the_chain(

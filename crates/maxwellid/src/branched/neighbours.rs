@@ -199,8 +199,8 @@ impl Neighbours {
                         time,
                     })
                     .collect();
-                // dw/dx of the law is w (1 - w); the others lose this amount in proportion to their
-                // shares
+                // the share w of the nonlinear branch has dw/dx = w (1 - w); the others decrease by
+                // this amount in proportion to their shares
                 let by_ratio = linear.iter().map(|branch| -of_law * branch.share);
                 let by_ratio = by_ratio.chain([of_law * of_others]).collect();
                 let pairs = growth.iter().zip(&weights).skip(1);

@@ -108,7 +108,8 @@ fn its_linear_limit_is_the_zener_rod_of_the_laplace_domain() {
     assert!(model.special_case(&two).is_none());
 }
 
-/// Central differences of 1e-5: the records hold the fronts' frequencies to 1e-4 of the largest.
+/// Comparison with central differences over ±1e-5, which are accurate to 1e-4 of the largest
+/// derivative because of the high frequencies of the fronts.
 #[test]
 fn derivatives_are_those_of_differences() {
     fn check<L: IdentifiableLaw>(model: &BranchedRod<L>, parameters: &[f64]) {
@@ -210,7 +211,7 @@ fn its_linear_limit_is_the_rod_of_constant_q() {
     });
     let difference = largest_difference(&found, &expected);
     assert!(difference < 0.015, "{difference} of 16 m/s");
-    // the loss matters by a hundred times as much
+    // the effect of the loss is a hundred times as large
     assert!(largest_difference(&found, &without) > 1.5);
 }
 
@@ -278,7 +279,7 @@ fn has_gradients_of_differences(model: &BranchedRod<MaxwellNorton>, parameters: 
     }
 }
 
-/// A rod without a length.
+/// A rod of length zero.
 fn driven_rod_of_nothing() -> DrivenRod<'static> {
     static SAMPLES: [f64; 64] = [0.0; 64];
     let history = Box::leak(Box::new(SampledHistory::new(&SAMPLES, RATE).unwrap()));

@@ -52,7 +52,7 @@ const WHITE: f64 = 1e-5;
 
 /// Number of successive renewals of the transfer that change the parameters by more than [`NEARER`]
 /// times the least change before, from which the renewals count as not converging. This happens
-/// with laws that do not explain the data.
+/// with laws that do not fit the data.
 const NO_NEARER: usize = 3;
 const NEARER: f64 = 0.9;
 

@@ -89,8 +89,8 @@ fn the_transfer_resolves_points_closer_than_a_usual_cell() {
         .map(|(a, b)| 50.0 * (a - b))
         .collect();
     let off: Vec<f64> = expected.iter().zip(&found).map(|(a, b)| a - b).collect();
-    // columns at every few points and a step of 0.6 points; with cells of 4 mm half of the small
-    // change is lost
+    // columns at every few points and a step of 0.6 points limit the agreement; with cells of 4 mm
+    // half of the small change is lost
     let relative = root_mean_square(&off) / root_mean_square(&expected);
     assert!(relative < 0.05, "{relative}");
 }

@@ -1,5 +1,5 @@
-//! Comparison of the linear competitors with the laws of `rodwave` and differences; claims compare
-//! them with d'Alembert's solution and three other solvers.
+//! Comparison of the linear competitors with the laws of `rodwave` and with finite differences;
+//! claims compare them with d'Alembert's solution and three other solvers.
 
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -230,7 +230,8 @@ fn wrap_around_is_below_its_level() {
         &nearly_elastic,
     )
     .0;
-    // the rod rings forever, and the excitation ends at the same time
+    // the response does not decay, so that a wrap-around would be visible; the excitation ends at
+    // the same time as on the short period
     let mut long = LaplaceLine::new(8 * SAMPLES, 2.0 * RATE);
     let at = |n: usize| history.at(n as f64 / (2.0 * RATE));
     let mut lines = long.transform(2 * SAMPLES - 1, at);
@@ -241,7 +242,7 @@ fn wrap_around_is_below_its_level() {
     let fine = long.history(&lines, 2 * WANTED);
     let expected: Vec<f64> = fine.iter().step_by(2).copied().collect();
     let difference = largest_difference(&short, &expected);
-    // 1.1e-7 of 16 m/s, and the share of the slow tail of e^{-1e-13 t}
+    // 1.1e-7 of 16 m/s, and the part of the response that decays as e^{-1e-13 t}
     assert!(difference < 2e-5, "{difference}");
 }
 
@@ -272,23 +273,23 @@ fn times_between_samples_are_answered_either_way() {
     uneven.insert(0, 0.1 / RATE);
     let (by_shift, by_interpolation) = (at(&shifted).unwrap(), at(&uneven).unwrap());
     let difference = largest_difference(&by_shift[1..], &by_interpolation[1..]);
-    // the interpolation between samples twice as dense as the record's
+    // error of the interpolation between points at twice the sampling rate
     assert!(difference < 1e-4, "{difference}");
-    // a late response: a shift by whole samples minus a fraction of a sample, after the rest
+    // times three samples minus a fraction of a sample earlier, so that the first ones are at rest
     let late: Vec<f64> = times()
         .iter()
         .map(|t| (t - 3.0 / RATE + delay).max(0.0))
         .collect();
     let late = at(&late).unwrap();
     assert_eq!(late[..3], [0.0; 3]);
-    // the same advance of the same lines
+    // both are computed from the same lines with the same advance
     let difference = largest_difference(&late[3..], &by_shift[..by_shift.len() - 3]);
     assert!(difference < 1e-12, "{difference}");
     assert!(at(&[1.0]).is_none());
     assert!(at(&[-1e-6]).is_none());
 }
 
-/// Number of derivatives: one per requested parameter, otherwise none is returned.
+/// `shape_with_derivatives` returns `None` unless there is one derivative per parameter.
 #[test]
 fn derivatives_of_another_number_are_none() {
     let s = Complex64::new(2e3, 1e4);
@@ -321,7 +322,7 @@ fn derivatives_of_another_number_are_none() {
     }
 }
 
-/// A sampling rate other than that of the excitation, which puts the times far outside the record.
+/// A rod whose sampling rate is not that of its excitation has its times far outside the record.
 #[test]
 fn a_rod_that_contradicts_itself_has_no_response() {
     let (samples, excitation) = (samples(), excitation());

@@ -8,8 +8,8 @@ use crate::recorder::filter::Observation;
 
 /// Correlation of the steps at the two points between which a contact begins: they are two parts of
 /// one step. Without correlation the estimate rings, and with one step only the front lies on a
-/// point: for blows in closed form the root mean square of error over standard error is 7 without
-/// correlation, 2.4 with one step, and 0.8 with this correlation.
+/// point: for impacts given in closed form the root mean square of error over standard error is 7
+/// without correlation, 2.4 with one step, and 0.8 with this correlation.
 const OF_ONE_STEP: f64 = 0.8;
 
 /// Returns the covariance of the two steps, in h², times two numbers.

@@ -27,7 +27,7 @@ const OCTAVES: std::ops::RangeInclusive<i32> = -10..=3;
 /// Rounds over beginning, time constant and variance.
 const ROUNDS: usize = 4;
 
-/// Most contacts that are mixed: an estimate of each takes a tenth of a second.
+/// Largest number of contacts in the mixture: the estimate for each takes a tenth of a second.
 const MOST_CONTACTS: usize = 16;
 
 /// Probability relative to that of the most likely contact below which a contact is left out.
@@ -74,7 +74,8 @@ impl<'a> Front<'a> {
         })
     }
 
-    /// The most likely parameters of the prior; `None` if no parameters explain the record.
+    /// The most likely parameters of the prior; `None` if the covariance of the record is not
+    /// positive definite.
     pub(super) fn contact(&self, largest: f64) -> Option<Contact<'static>> {
         let middle = self.begins.start.midpoint(self.begins.end);
         let mut best = Contact {

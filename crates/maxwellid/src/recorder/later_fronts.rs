@@ -3,8 +3,8 @@
 //! The variance q of the prior is that of the changes near the first front. Waves that return from
 //! the free end, and the end of the contact, change the velocity more abruptly than this part may
 //! show. With its variance the estimate smooths such a front, and the error is far above the stated
-//! one: for a blow in closed form whose wave returns outside that part, the mean square of error
-//! over standard error was 180.
+//! one: for an impact given in closed form whose wave returns outside that part, the mean square of
+//! error over standard error was 180.
 //!
 //! The innovations z = L⁻¹ v_e of the record, K = L Lᵀ, are standard normal numbers if the prior
 //! is right (Mehra, *IEEE Trans. Autom. Control* **15** (1970) 175). Where the mean of z² over a
@@ -18,7 +18,7 @@ use faer::{Mat, Side};
 use crate::recorder::contact::{Contact, Shown, value_at};
 use crate::recorder::filter::Observation;
 
-/// Samples of a part: a front rises within two to four.
+/// Number of samples in a part: a front rises within two to four samples.
 const PART: usize = 4;
 
 /// Samples to either side of a part whose innovations count, so that a front at the border of two

@@ -253,7 +253,7 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
         }
         None => narrow,
     };
-    // nothing is compared after a given window or a clipped sample
+    // nothing is compared after the end of a given window or after a clipped sample
     let window = (test.window.saturating_sub(1) / keep + 1)
         .min(kept.saturating_sub(SampledHistory::HALF_WIDTH));
     Ok(RodTest {

@@ -484,7 +484,7 @@ mod tests {
         }
     }
 
-    /// A blow at `begin` \[s\] that rises with a time constant of 8 us and decays with one of 60
+    /// An impact at `begin` \[s\] that rises with a time constant of 8 us and decays with one of 60
     /// us.
     fn blow(time: f64, begin: f64) -> f64 {
         let since = (time - begin).max(0.0);
@@ -525,7 +525,7 @@ mod tests {
         });
         assert!((own[(0, 0)] - 3.8).abs() < 1e-15 && (own[(0, 1)] - 2.4).abs() < 1e-15);
         assert!((own[(2, 2)] - 0.8).abs() < 1e-15 && own[(2, 1)].abs() < 1e-15);
-        // points 20 to 28 of the grid, from point 9 on
+        // the points with a larger variance are 20 to 28 of the grid; the matrix begins at point 9
         assert!([11, 19].iter().all(|k| (own[(*k, *k)] - 4.0).abs() < 1e-15));
         assert!([10, 20].iter().all(|k| (own[(*k, *k)] - 0.8).abs() < 1e-15));
         let factor = own.llt(Side::Lower).unwrap();
@@ -543,7 +543,7 @@ mod tests {
         let of_w = factor.solve(Mat::<f64>::identity(moving, moving));
         for point in 0..points {
             let expected: f64 = (0..moving).map(|i| w[(i, 0)] * moves[i][point]).sum();
-            // two solutions of a system of condition 1e5
+            // two solutions of a system with a condition number of 1e5
             assert!((mean[point] - expected).abs() < 1e-9, "{point}");
             for other in 0..points {
                 let expected: f64 = (0..moving)
@@ -595,9 +595,9 @@ mod tests {
         .unwrap()
     }
 
-    /// The response of two poles to a blow, by the closed form of its three exponentials. The
-    /// estimate is the blow itself within its standard errors, above all at the front, of which the
-    /// record shows little.
+    /// The response of two poles to an impact, by the closed form of its three exponentials. The
+    /// estimate is the impact itself within its standard errors, above all at the front, of which
+    /// the record shows little.
     #[test]
     fn a_blow_is_found_within_its_standard_errors() {
         let (mut squares, mut count) = (0.0, 0.0);
@@ -632,10 +632,11 @@ mod tests {
         assert!((0.2..1.5).contains(&mean), "{mean}");
     }
 
-    /// A wave that returns 80 samples after a smooth blow of half its height, and rises seven times
-    /// as fast: the part of the record from which q follows does not show it. The drive of a
+    /// A wave that returns 80 samples after a smooth impact of half its height, and rises seven
+    /// times as fast: the part of the record from which q follows does not show it. The drive of a
     /// linear rod is the filtered excitation within its standard errors, by the closed form of its
-    /// exponentials. With the variance of the blow, the mean is 180, and the drive is 2.3 m/s off.
+    /// exponentials. With the variance of the impact alone, the mean square of error over standard
+    /// error is 180, and the drive is 2.3 m/s off.
     #[test]
     fn a_returning_wave_is_found_within_its_standard_errors() {
         let (mut squares, mut count) = (0.0, 0.0);

@@ -64,7 +64,7 @@ impl Candidate {
         }
     }
 
-    /// Creates a candidate of the catalogue with the parameters that a fit states: those of
+    /// Creates a candidate of the catalogue with the parameters that a fit reports: those of
     /// [`Self::of`], but with the viscosity for [`Law::Maxwell`].
     #[must_use]
     pub fn of_fit(law: Law) -> Self {

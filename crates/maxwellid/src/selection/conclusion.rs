@@ -12,7 +12,7 @@ use super::{
 use crate::error::MaxwellidError;
 use crate::test::RodTest;
 
-/// Smallest and largest error of ln Z that suffices.
+/// Limits of the sufficient error of ln Z.
 const SUFFICIENT: (f64, f64) = (0.1, 0.5);
 
 /// Relative change of level and correlation of the noise up to which the values found before are
@@ -56,7 +56,7 @@ impl Selection {
         let effective_samples = samples as f64 / inflation;
         // with fewer independent samples or another noise the priors have more weight
         let weight = 1.0 / (scale * inflation.sqrt());
-        // for χ² in units of the assumed noise
+        // the argument is χ² in units of the assumed noise
         let ln_likelihood =
             |chi_square: f64| self.ln_likelihood(chi_square * scale * scale, effective_samples);
         let priors: Vec<Prior> = self
@@ -65,7 +65,7 @@ impl Selection {
             .map(|candidate| candidate.prior(ground.modulus, ground.duration))
             .collect();
         weighed.resize(found.len(), None);
-        // before the fits are repeated for this noise
+        // ln Z from the fits with the previous noise
         let roughly = |found: &Found| {
             let chi_square = found.probable.chi_square * weight * weight;
             found.probable.ln_evidence(ln_likelihood(chi_square))
@@ -85,7 +85,7 @@ impl Selection {
             if known.is_none() {
                 let rough = roughly(found);
                 let is_new = (weight - 1.0).abs() > 1e-12;
-                // a law out of the question is not fitted again
+                // a law that is already excluded is not fitted again
                 let again = is_new && rough >= rough_best - BEYOND_COMPARISON;
                 let probable = if again {
                     contest.near_fit(&found.probable)?

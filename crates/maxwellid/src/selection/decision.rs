@@ -62,7 +62,8 @@ pub enum Doubt {
     /// The misfit of a special case of the most probable law does not exclude it.
     #[error("the data do not exclude a special case of the most probable law")]
     SpecialCase,
-    /// The misfit of a law that counts still changes when the excitation is estimated again.
+    /// The misfit of a law that is not excluded still changes when the excitation is estimated
+    /// again.
     #[error("the misfit of one of these laws still changes when the excitation is estimated again")]
     Unsettled {
         /// The law.

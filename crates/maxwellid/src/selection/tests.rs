@@ -16,8 +16,8 @@ use crate::test::{Provenance, RodTestData};
 
 const RATE: f64 = 51_200.0;
 
-/// A short rod driven by a smooth pulse, with white noise of `level` of its impact velocity of 10
-/// m/s.
+/// A test of a short rod driven by a smooth pulse, with white noise of `level` times its impact
+/// velocity of 10 m/s.
 pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
     let excitation = pulse(110, 30.0, 4.0);
     let rod = InelasticRod::new(0.2, 1140.0, 3e9, law.clone()).unwrap();
@@ -41,8 +41,8 @@ pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTes
     .unwrap()
 }
 
-/// Record of little noise from another solver: on cells of 8 mm the error of the grid rejects the
-/// right law, and the comparison detects and removes this error.
+/// A record with little noise, made by another solver: on cells of 8 mm the error of the grid
+/// rejects the right law, and the comparison detects and removes this error.
 #[test]
 fn a_record_of_little_noise_is_judged_on_finer_grids() {
     let norton = MaxwellNorton::from_reference_rate(2.1, 40.0, 10e6).unwrap();
@@ -103,7 +103,8 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
             let off = (law.adequacy.unwrap() - tail).abs();
             assert!(off <= 1e-12 * tail, "{} {found}", law.name);
         }
-        // 94 samples and two parameters: chi-square is between 48 and 153 with 0.9999
+        // 94 samples and two parameters: chi-square is between 48 and 153 with a probability of
+        // 0.9999
         assert!((48.0..153.0).contains(&law.chi_square), "{found}");
         assert!(
             law.adequacy.unwrap() > 1e-4 && (1.9..2.0).contains(&law.determined),
@@ -120,7 +121,8 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
             "{found}"
         );
         assert!(found.to_string().contains("chi-square"));
-        // a law that counts is integrated, one that is far below the best only approximated
+        // the evidence of a probable law is integrated, that of a law far below the best is only
+        // approximated
         assert!(law.ln_evidence_error > 0.0, "{found}");
         assert!(found.laws[1].ln_evidence_error <= 0.0, "{found}");
         squares += (law.likeliest[0] - 3e9_f64.ln()).powi(2);
@@ -131,8 +133,8 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
     assert!((squares / 4.0).sqrt() < 2e-3, "{squares}");
 }
 
-/// Noise of which only ratios are known: its stated level decides nothing. Probabilities and limits
-/// are those of any other level, and χ² varies with the inverse square of the level.
+/// Only ratios of the noise levels are known: probabilities and limits do not depend on the stated
+/// level, and χ² varies with the inverse square of the level.
 #[test]
 fn a_level_of_noise_that_is_not_known_decides_nothing() {
     let laws = [Law::TwoMaxwellBranches, Law::Elastic, Law::Maxwell].map(Candidate::of);
@@ -227,7 +229,7 @@ fn adequacy_is_a_tail_of_chi_square_or_f() {
     assert_eq!(of(0.0).adequacy(6.0, 2.0), None);
 }
 
-/// A law of the comparison: (linear, of flat loss), ln Z, χ², adequacy.
+/// A law of a comparison, from the flags (linear, of flat loss), ln Z, χ² and adequacy.
 fn law(
     (is_linear, is_flat_loss): (bool, bool),
     ln_evidence: f64,
@@ -259,7 +261,8 @@ const LINEAR: (bool, bool) = (true, false);
 const FLAT: (bool, bool) = (true, true);
 const NONLINEAR: (bool, bool) = (false, false);
 
-/// A comparison at the levels 0.95 and 0.001, at 3 m/s and, with several velocities, also faster.
+/// A comparison with a required probability of 0.95 and a level of adequacy of 0.001; the lowest of
+/// the velocities is 3 m/s.
 fn decided(laws: Vec<ComparedLaw>, has_several_velocities: bool) -> Comparison {
     let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     selection.decide(laws, 100.0, 1.2, 3.0, has_several_velocities)
@@ -361,7 +364,8 @@ fn one_velocity_names_no_nonlinear_law_beside_a_flat_loss_that_explains() {
             reason
         }
     );
-    // the flat-loss law that explains the data best; a misfit without a probability refutes nothing
+    // the doubt names the flat-loss law with the largest adequacy; a law without adequacy is not
+    // refuted
     for (flat, expected) in [
         ([Some(1e-3), Some(1e-4)], (1, 1e-3)),
         ([Some(0.02), Some(0.3)], (2, 0.3)),
@@ -383,8 +387,9 @@ fn one_velocity_names_no_nonlinear_law_beside_a_flat_loss_that_explains() {
     }
 }
 
-/// Unsettled laws with a probability above 0.05 leave the law open: in question are those that
-/// count and, if the unsettled one leads, all laws that are not refuted by their own misfit.
+/// Unsettled laws with a probability above 0.05 leave the law open: in question are all laws above
+/// this probability and, if the unsettled one leads, all laws that are not refuted by their own
+/// misfit.
 #[test]
 fn a_misfit_that_is_not_settled_leaves_the_law_open() {
     let second = |probability: f64| {
@@ -438,9 +443,9 @@ fn advice_names_the_velocity_and_the_correlation() {
     }
 }
 
-/// The range of each parameter is four standard deviations wide, that of ln E about the value from
-/// the time of flight; a linear law starts at its prior mean and one standard deviation to either
-/// side.
+/// The range of each parameter is four standard deviations wide; the range of ln E is centred on
+/// the value from the time of flight. A linear law starts at its prior mean and one standard
+/// deviation to either side.
 #[test]
 fn a_prior_is_normal_of_a_quarter_of_its_range() {
     let standard = Candidate::standard();
@@ -552,7 +557,7 @@ fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
     let linear = [Law::Elastic, Law::Maxwell];
     let maxwell = Maxwell::new(1.5e6).unwrap();
     assert_eq!(compared(&linear, test_of(&maxwell, 0.005, 20)), linear);
-    // nothing explains the data
+    // no candidate explains the data
     let elastic = [Law::Elastic, Law::ConstantQ];
     assert_eq!(
         compared(&elastic[..1], test_of(&maxwell, 0.005, 20)),
@@ -565,8 +570,8 @@ fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
 }
 
 /// Noise estimated from q samples, which is in truth twice the estimate: between two values of q
-/// the evidence of a law with one determined parameter differs by that of the two marginal
-/// likelihoods at its χ², and by the factor of its standard error.
+/// the evidence of a law with one determined parameter differs by the difference of the two
+/// marginal likelihoods at its χ², and by the factor on its standard error.
 #[test]
 fn evidence_holds_the_likelihood_of_a_noise_from_few_samples() {
     let test = test_of(&Elastic, 0.01, 5).with_noise(0.05, 0.05).unwrap();
@@ -587,7 +592,7 @@ fn evidence_holds_the_likelihood_of_a_noise_from_few_samples() {
     assert!(off.abs() < 0.2, "{off} {few} {many}");
 }
 
-/// The window lasts to its last sample.
+/// The duration is the time of the last sample in the window.
 #[test]
 fn the_duration_is_that_of_the_longest_window() {
     let tests = [test_of(&Elastic, 0.005, 3)];
@@ -633,8 +638,8 @@ fn a_correlated_residual_counts_its_independent_samples() {
         inflation += found.inflation / 6.0;
         each += found.laws[0].chi_square / found.effective_samples / 6.0;
     }
-    // six records of 94 samples: each correlation to a twentieth, their sum to a fifth, minus the
-    // effect of the windows and of the fit
+    // six records of 94 samples: each correlation is known to a twentieth, their sum to a fifth;
+    // windows and fit reduce it further
     assert!((2.0..5.0).contains(&inflation), "{inflation}");
     assert!((0.7..1.3).contains(&each), "{each}");
 }

@@ -82,7 +82,7 @@ impl Selection {
         let probability = laws[first].probability;
         // probability of the laws of a tie
         let held = 1.0 - LEFT_OUT * (1.0 - self.required_probability);
-        // a law whose χ² is not settled may be any of those that count
+        // any law with more than this probability may be unsettled
         let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
         if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
             // the probability of an unsettled law excludes no other law; only the misfit of another

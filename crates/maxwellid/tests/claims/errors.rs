@@ -1,5 +1,5 @@
-//! Standard errors with noise on both histories: do intervals cover, and are errors of the stated
-//! size?
+//! Standard errors with noise on both histories: coverage of the intervals, and errors of the
+//! stated size.
 
 use maxwellid::{Fit, IdentifiableLaw, Noise, RodModel, RodTest, Scale};
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};

@@ -1,5 +1,5 @@
-//! Parameters of the three laws from tests of the lumped chain, without noise; ways of the search;
-//! what must be refused or doubted.
+//! Parameters of the three laws from tests of the lumped chain, without noise; paths of the search;
+//! tests and results that must be refused or flagged.
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Method, Noise, Provenance, RodTest,

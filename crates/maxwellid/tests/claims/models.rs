@@ -174,7 +174,7 @@ fn solvers(claims: &mut Claims) {
         "rod without relaxation by the Laplace domain",
         Within(
             4e-5,
-            "the stated interpolation between samples, 2e-5, doubled",
+            "twice the stated error of the interpolation between samples, 2e-5",
         ),
         driven(4e-3, |rod| {
             let law = LinearModel::new(MaxwellBranches::maxwell());
@@ -187,7 +187,7 @@ fn solvers(claims: &mut Claims) {
         "Maxwell rod: characteristics on cells of 0.5 mm against the Laplace domain",
         Within(
             4e-5,
-            "the stated interpolation between samples, 2e-5, doubled",
+            "twice the stated error of the interpolation between samples, 2e-5",
         ),
         driven(5e-4, |rod| {
             let law = Maxwell::new(modulus * time)?;
@@ -232,7 +232,7 @@ fn solvers(claims: &mut Claims) {
             let line = Line::new([Body::new([segment])?])?
                 .with_left_end(End::Velocity(Drive::history(rod.excitation.clone())))?;
             let run = line.run(5e-7, (SAMPLES - 2) as f64 / RATE, &[])?;
-            // ends are known at dt/2, 3 dt/2 ...
+            // the velocities of the ends are known at dt/2, 3 dt/2, ...
             let dt = run.grid.time_step;
             let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt)?;
             let marched: Vec<f64> = rod.times.iter().map(|t| end.at(t - 0.5 * dt)).collect();

@@ -121,7 +121,7 @@ fn nonlinear(claims: &mut Claims) {
     );
 }
 
-/// Response of the line to the excitation of a rod of nearly the same damping.
+/// Response of `rodwave::line` to the excitation of a rod of nearly the same damping.
 fn linear_rod(material: &GeneralisedMaxwell) -> Ours<VirtualRod> {
     let mut rod = struck(LENGTH, 10.0, MODULUS, &Maxwell::new(4e6)?, 128);
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material)?;
@@ -144,7 +144,7 @@ fn linear(claims: &mut Claims) {
         })))
     };
     claims.deviation(
-        "modulus of the Prony series that stands for a constant loss factor",
+        "modulus of the Prony series that represents a constant loss factor",
         Within(2e-3, "branches a third of a decade apart"),
         flatness(),
     );
@@ -215,7 +215,7 @@ fn profile(claims: &mut Claims) {
             Ok(found.get(1).ok_or_else(|| missing("a parameter"))?.verdict)
         };
         let time = verdict(Law::Maxwell)?;
-        // the window is 2.8 ms: a relaxation time of the same length would take a tenth of a wave
+        // the window is 2.8 ms: a relaxation time of the same length would reduce a wave by a tenth
         // on its way
         if let Verdict::BoundedBelow(least) = &time {
             assert!(*least > 1e-3_f64.ln() && *least < 1.0_f64.ln(), "{least}");
@@ -241,9 +241,9 @@ fn profile(claims: &mut Claims) {
     );
 }
 
-/// Information I of a test and the prior P: A = P + I becomes 2A - P.
+/// A repetition changes the information A = P + I of prior P and test I to 2A - P.
 fn planned(claims: &mut Claims) {
-    claims.by("a repetition adds as much information as there is");
+    claims.by("a repetition adds the information of the first test again");
     let ratios = || -> Ours<f64> {
         let clean = struck(LENGTH, 10.0, MODULUS, &norton()?, 128);
         let tests = [with_noise(&clean, 0.01, 1)?];

@@ -127,7 +127,7 @@ fn round_trip<L: IdentifiableLaw>(
     start: L,
 ) -> Ours<Parameters> {
     let length = row.section_distance;
-    // the rubber of M_3 needs twice the time of the plastics
+    // the rubber of test M_3 needs a record twice as long as the plastics
     let samples_after = if modulus < 1e9 { 256 } else { 128 };
     let record = ImpactTest {
         striker: Striker::PAPER_D,
@@ -145,7 +145,7 @@ fn round_trip<L: IdentifiableLaw>(
             samples_after,
             transducer_range: 0.02,
         },
-        // a ninetieth of the shortest wave of the record
+        // a ninetieth of the shortest wavelength in the record
         (modulus / row.density).sqrt() / 16_000.0 / 90.0,
     )?;
     let excitation = SampledHistory::new(&record.excitation, RATE)?;

@@ -50,7 +50,7 @@ fn differentiator(claims: &mut Claims) {
             ))
         };
         claims.deviation(
-            format!("weights of {name}, the worst"),
+            format!("weights of {name}, largest difference"),
             Within(1e-13, "rounding of a system of five equations"),
             worst(),
         );
@@ -65,7 +65,7 @@ fn differentiator(claims: &mut Claims) {
             let samples: Vec<f64> = (0..200)
                 .map(|n| (TAU * frequency * f64::from(n)).sin())
                 .collect();
-            // at a sample where the slope is largest
+            // velocity at the samples; its error is compared with the gain times the slope
             let velocity = filter.velocity(&samples, 1.0);
             let slopes = velocity.iter().enumerate().map(|(n, v)| {
                 let phase = TAU * frequency * (n + filter.half_width()) as f64;
@@ -166,13 +166,13 @@ fn nuisances(claims: &mut Claims) {
             ),
         ),
         (
-            "modulus, identified together with it",
+            "modulus, identified together with the transducer",
             "Pa",
             2.6e9,
             Within(7.8e6, "0.3 %: a delay of 0.1 % of the flight is 0.2 % of E"),
         ),
         (
-            "exponent, identified together with it",
+            "exponent, identified together with the transducer",
             "1",
             2.0,
             Within(

@@ -84,7 +84,7 @@ fn tests_of_rods() {
         RodTest::from_displacements(base.clone(), &transducers)
             .map(|t| t.response().to_vec())
             .and_then(|r| {
-                // any range above the record is a range
+                // any finite range above the largest displacement is valid
                 if x.is_finite() {
                     Ok(r)
                 } else {
@@ -231,7 +231,7 @@ fn selections_profiles_and_designs() {
 fn classes() {
     let features = vec![vec![1.0, 0.0], vec![1.0, 1.0], vec![1.0, 2.0]];
     let settings = RobbinsMonro::default();
-    // a class that no list of classes could hold
+    // a class number that is too large for any list of classes
     for classes in [[0, 1, usize::MAX], [0, 1, 1 << 60], [0, 1, 3]] {
         assert!(Weights::robbins_monro(&features, &classes, &settings).is_err());
         assert!(Weights::least_squares(&features, &classes, 1.0).is_err());

@@ -2,7 +2,8 @@
 
 use maxwellid::Differentiator;
 
-/// Legendre's polynomials over the window, which do not grow, and their slopes in its middle.
+/// Compares the slopes of Legendre's polynomials, which are bounded over the window, in the middle
+/// of the window.
 #[test]
 fn all_polynomials_of_the_degree_are_differentiated() {
     for half_width in [1_usize, 2, 3, 7, 20, 47, 100] {
@@ -16,7 +17,7 @@ fn all_polynomials_of_the_degree_are_differentiated() {
                 let m = half_width as f64;
                 let (values, slope) = legendre(order, half_width);
                 let found: f64 = weights.iter().zip(&values).map(|(w, p)| w * p).sum();
-                // a sum of numbers up to 1 with weights of this size
+                // rounding of a sum of numbers up to 1 with weights of this size
                 let allowed = 1e-12 * size.max(slope.abs() / m);
                 assert!(
                     (found - slope / m).abs() < allowed,

@@ -10,7 +10,7 @@ fn maxwell() -> Maxwell {
     Maxwell::from_reference_rate(20.0, 10e6).unwrap()
 }
 
-/// Two blows of a rod, with a disturbance that differs from sample to sample.
+/// Two impacts of a rod, with a disturbance that differs from sample to sample.
 fn tests() -> Vec<RodTest> {
     [10.0, 16.0]
         .map(|velocity| {
@@ -64,14 +64,15 @@ fn the_order_of_tests_is_lost_in_rounding() {
         };
         let (a, b) = (fitted(&there), fitted(&back));
         for (a, b) in a.parameters().iter().zip(b.parameters()) {
-            // the iteration ends where the sum of squares falls no more, which leaves half of the
-            // digits
+            // the iteration ends where the sum of squares does not fall any more, which determines
+            // half of the digits
             assert!((a - b).abs() < 1e-6, "{a} {b}");
         }
     }
 }
 
-/// A linear law: all velocities twice as large are the same experiment in other units.
+/// For a linear law, a test with all velocities twice as large is the same experiment in other
+/// units.
 #[test]
 fn the_unit_of_velocity_is_no_part_of_a_linear_law() {
     let plain = fitted(&tests());
@@ -89,8 +90,8 @@ fn the_unit_of_velocity_is_no_part_of_a_linear_law() {
     }
 }
 
-/// Work distributed over threads is collected in its original order: no digit depends on the number
-/// of threads.
+/// Results of several threads are collected in their original order, so that no digit depends on
+/// the number of threads.
 #[cfg(feature = "rayon")]
 #[test]
 fn one_thread_and_many_give_the_same_digits() {

@@ -11,7 +11,7 @@ use super::{DENSITY, LENGTH, MODULUS, RATE, excitation};
 const CELL: f64 = 8e-3;
 const STRESS: f64 = 10e6;
 
-/// Response of a rod, with lengths times `length` and times times `time`.
+/// Response of a rod whose lengths are multiplied by `length` and whose times by `time`.
 fn response(
     model: &dyn RodModel,
     parameters: &[f64],
@@ -93,7 +93,8 @@ proptest! {
         }
     }
 
-    /// Other units of length and time: the same rod, its moduli in the units of `ρ (L/T)²`, its relaxation times in those of T.
+    /// A rod in other units of length and time: its moduli are in units of `ρ (L/T)²`, its
+    /// relaxation times in units of T.
     #[test]
     fn units_of_length_and_time_are_no_part_of_the_rod(powers in [-6..6_i32, -6..6_i32]) {
         let [length, time] = powers.map(|p| 2.0_f64.powi(p));
@@ -114,7 +115,7 @@ proptest! {
             let plain = response(model, &one, 10.0, 1.0, 1.0);
             let scaled = response(model, &other, 10.0, length, time);
             for (a, b) in plain.iter().zip(&scaled) {
-                // rounding of logarithms of moduli, in the phase of a wave
+                // rounding of the logarithms of moduli changes the phase of a wave
                 prop_assert!((a * length / time - b).abs() < 1e-9 * 10.0 * length / time, "{}", model.name());
             }
         }
@@ -137,7 +138,8 @@ proptest! {
     }
 }
 
-/// From no loss to a loss factor of ten, from a millimetre to a kilometre: finite, or refused.
+/// Responses are finite or refused, from no loss to a loss factor of ten and from a millimetre to a
+/// kilometre.
 #[test]
 fn responses_stay_finite_at_the_ends() {
     let flat = LinearModel::new(ConstantQ::default());
@@ -182,7 +184,7 @@ fn responses_stay_finite_at_the_ends() {
             }
         }
         for cell in [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e-300, 1e-12] {
-            // a law that is solved line by line has no grid
+            // a law that is solved in the Laplace domain has no grid
             let has_grid = !model.name().contains('Q') && model.name() != "Zener";
             assert!(
                 !has_grid || answered(&*model, &parameters, cell).is_none(),

@@ -1,5 +1,6 @@
-//! Virtual tests for the tests of the fit: the striker and the recorder of paper D, the response of
-//! the lumped chain to the excitation as it was before sampling, extrapolated from two grids.
+//! Virtual tests for the tests of the fit, with the striker and the recorder of paper D. The
+//! response is that of the lumped chain to the excitation before sampling, extrapolated from two
+//! grids.
 #![allow(dead_code, reason = "each file of tests uses what it needs")]
 
 use maxwellid::{Provenance, RodTestData};

@@ -88,8 +88,8 @@ fn times(record: &VelocityRecord) -> Vec<f64> {
     struck_rod::times(record.excitation.len(), record.sampling_rate_hz)
 }
 
-/// The lumped chain's response to the excitation as recorded: a recorder's filter does not commute
-/// with a nonlinear rod.
+/// A test with the lumped chain's response to the excitation as recorded, because a recorder's
+/// filter does not commute with a nonlinear rod.
 pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     let rod = rod(law, velocity);
     let record = rod.record().unwrap();
@@ -97,8 +97,8 @@ pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     Exact::by_the_chain(velocity, record.excitation, response.unwrap())
 }
 
-/// [`by_the_chain`] of a standard solid: the law in a branch, and a spring beside it that has
-/// `share` of the modulus.
+/// A test as [`by_the_chain`], of a standard solid: a branch with the law, in parallel with a
+/// spring that has `share` of the modulus.
 pub(crate) fn with_spring<L: InelasticLaw>(law: &L, share: f64, velocity: f64) -> Exact {
     let mut test = rod(law, velocity).test().unwrap();
     test.rod = test.rod.with_spring(share).unwrap();
@@ -135,7 +135,8 @@ pub(crate) fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
     GeneralisedMaxwell::new(spring, branches).unwrap()
 }
 
-/// The line's response, branches in parallel, to the excitation as recorded.
+/// A test with the response of `rodwave::line`, with parallel branches, to the excitation as
+/// recorded.
 pub(crate) fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact {
     of_segment(
         Segment::prony(LENGTH, 1e-4, DENSITY, material).unwrap(),
@@ -144,9 +145,10 @@ pub(crate) fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact
     )
 }
 
-/// [`by_the_line`] of a linear material in parallel with a branch of Norton's `law`, which has the
-/// modulus `modulus` \[Pa\]. Linear branches that relax within a step of the line lose too much: with
-/// steps of 1.5 us loss factor and rate were 9 and 40 standard errors off.
+/// A test as [`by_the_line`], of a linear material in parallel with a branch of Norton's `law`,
+/// which has the modulus `modulus` \[Pa\]. Linear branches that relax within a step of the line
+/// lose too much: with steps of 1.5 us loss factor and rate would be off by 9 and 40 standard
+/// errors.
 pub(crate) fn beside_a_branch(
     material: &GeneralisedMaxwell,
     (modulus, law): (f64, MaxwellNorton),
@@ -223,7 +225,7 @@ pub(crate) fn named(comparison: &Comparison) -> String {
     }
 }
 
-/// `of` of each case, on two threads, in the order of the cases.
+/// Returns the results of `of` for all cases, in their order, computed on two threads.
 pub(crate) fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let half = cases.len().div_ceil(2).max(1);
     std::thread::scope(|scope| {

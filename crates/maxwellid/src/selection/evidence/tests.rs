@@ -117,8 +117,8 @@ fn laplace_has_the_evidence_of_a_normal_posterior() {
     }
 }
 
-/// Data that determine E: a prior that is off by two standard deviations reduces ln Z by half of
-/// the square of that number, in all three computations.
+/// If the data determine E, a prior that is off by two standard deviations reduces ln Z by half of
+/// the square of this number, in all three computations.
 #[test]
 fn a_prior_that_is_off_costs_half_its_square() {
     let test = [test_of(&Elastic, 0.005, 3)];
@@ -133,14 +133,16 @@ fn a_prior_that_is_off_costs_half_its_square() {
     }
 }
 
-/// Candidates with this many parameters, for data that determine them and for data that do not.
+/// Compares the evidence of all candidates with this many parameters, for data that determine the
+/// parameters and for data that do not.
 fn assert_as_by_a_grid(parameters: usize) {
     let maxwell = Maxwell::new(1.5e6).unwrap();
     let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
     let data = [
         test_of(&maxwell, 0.01, 1),
         test_of(&norton, 0.01, 2),
-        // no damping is visible: of a relaxation time only the prior beyond a bound remains
+        // no damping is visible: the data only exclude relaxation times below a bound, beyond which
+        // the prior remains
         test_of(&Elastic, 0.02, 3),
     ];
     let mut off = Vec::new();
@@ -219,7 +221,8 @@ fn the_mean_of_weights_has_the_error_of_their_scatter() {
     );
 }
 
-/// The inverse of the golden ratio for one axis, of the plastic number for two.
+/// The first step is the inverse of the golden ratio for one axis and of the plastic number for
+/// two.
 #[test]
 fn points_of_one_axis_follow_the_golden_ratio() {
     assert!((recurrence_steps(1)[0] - 0.618_033_988_749_895).abs() < 1e-12);
@@ -264,18 +267,19 @@ fn points_of_a_proposal_are_distributed_by_its_density() {
     };
     // evenly spread points: an error of some thousandths
     assert!((share(&|z| z[0] < 0.5) - 1.0 / 3.0).abs() < 2e-3);
-    // half of a half-distribution is within the quartile of t, 0.741, times its scale
+    // half of the points on each side lie within 0.741, the quartile of t, times the scale of that
+    // side
     let quartile = t4_quantile(0.75);
     let within = share(&|z| z[0] > 0.5 - 1.5 * quartile && z[0] < 0.5 + 3.0 * quartile);
     assert!((within - 0.5).abs() < 2e-3, "{within}");
-    // along the second axis a third of the points are below the line of the first axis
+    // along the second axis of the factor, too, a third of the points are below the centre
     let along = |z: &[f64]| solved(&proposal.factor, &[z[0] - 0.5, z[1] + 1.0])[1];
     assert!((share(&|z| along(z) < 0.0) - 1.0 / 3.0).abs() < 2e-3);
     let row = proposal.covariances(1).unwrap();
     assert!((row[0] - 0.9).abs() < 1e-12 && (row[1] - 1.0).abs() < 1e-12);
 }
 
-/// Points that are weighted against the mixture of all proposals: where the integrand is twice that
+/// Points are weighted against the mixture of all proposals: if the integrand is twice that
 /// mixture, every weight is two.
 #[test]
 fn weights_are_ratios_to_the_mixture_of_proposals() {
@@ -357,7 +361,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
             followed += 1;
         }
         assert!(followed > axes, "{followed}");
-        // ridges that are covered leave little error at the first attempt
+        // with proposals along the ridges, the error is small at the first attempt
         let found = evidence(problem, probable, (&likelihood, 0.1)).unwrap();
         assert!(found.error < 0.1, "{found:?}");
     });

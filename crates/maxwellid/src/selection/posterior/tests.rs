@@ -14,9 +14,8 @@ fn a_misfit_is_settled_by_a_hundredth_of_evidence_or_a_ten_thousandth_of_itself(
     assert!(is_settled(10_000.0, 10_000.9) && !is_settled(10_000.0, 10_001.1));
 }
 
-/// Misfit of a start for a record whose noise hides the response: the misfit is that of the prior,
-/// four at two standard deviations. The rest of the misfit varies with the inverse square of the
-/// noise.
+/// If the noise hides the response, the misfit of a start is that of the prior, four at two
+/// standard deviations. The rest of the misfit varies with the inverse square of the noise.
 #[test]
 fn a_start_is_judged_by_the_records_and_by_the_prior() {
     let test = test_of(&Elastic, 0.005, 3);
@@ -34,7 +33,8 @@ fn a_start_is_judged_by_the_records_and_by_the_prior() {
     assert!((misfit(1e9) - 4.0).abs() < 1e-9);
     let ratio = (misfit(0.1) - 4.0) / (misfit(0.2) - 4.0);
     assert!((ratio - 4.0).abs() < 1e-9, "{ratio}");
-    // a pulse of 8 m/s arrives late by a fraction of its length, unlike that of the right rod
+    // at the start, the pulse of 8 m/s arrives late by a fraction of its length; at the true
+    // modulus it does not
     let at_truth = contest.rough_misfit(&[3e9_f64.ln()], &[0.1]).unwrap();
     let at_start = misfit(0.1);
     assert!(at_truth < 0.1 * at_start, "{at_truth} {at_start}");
