@@ -1,7 +1,8 @@
 # %% [markdown]
 # # Frequency response from five hits
 #
-# Blows on the end of a nylon rod in a virtual test: the force of the hammer and the acceleration of the struck face.
+# Hits on the end of a nylon rod in a virtual test, with the force of the hammer and the
+# acceleration of the struck face.
 
 # %%
 import subprocess

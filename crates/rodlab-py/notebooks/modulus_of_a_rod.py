@@ -1,7 +1,8 @@
 # %% [markdown]
 # # Complex modulus of a rod
 #
-# Five blows on a polypropylene rod with an accelerometer at each end. The records are those of `crates/rodlab/examples/polypropylene`.
+# Five hits on a polypropylene rod with an accelerometer at each end. The records are those of
+# `crates/rodlab/examples/polypropylene`.
 
 # %%
 import subprocess

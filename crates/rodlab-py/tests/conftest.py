@@ -15,13 +15,13 @@ def copy_of(example: str, folder: Path) -> Path:
 
 @pytest.fixture
 def polypropylene(tmp_path: Path) -> Path:
-    """Five blows on a rod with accelerometers at both ends."""
+    """Five hits on a rod with accelerometers at both ends."""
     return copy_of("polypropylene", tmp_path)
 
 
 @pytest.fixture
 def frame(tmp_path: Path) -> Path:
-    """Five blows on a member of a frame with three gauges."""
+    """Five hits on a member of a frame with three gauges."""
     return copy_of("frame", tmp_path)
 
 

@@ -190,7 +190,8 @@ def test_other_threads_go_on_while_a_job_computes(nylon: Path) -> None:
     took = time.monotonic() - began
     ended.set()
     thread.join()
-    # a turn takes 10 ms; ten times as long is allowed for a busy machine, whereas with the lock held there would be no turn at all
+    # a turn of the other thread takes 10 ms, and ten times as long on a busy machine; if the lock
+    # were held, the thread would make no turns
     assert len(turns) > took / 0.1
 
 

@@ -18,7 +18,7 @@ TEMPLATES = EXAMPLES.parent / "templates"
 
 @pytest.fixture
 def struck(tmp_path: Path) -> Path:
-    """Virtual hammer blows on a nylon rod of 0.975 kg."""
+    """Virtual hammer hits on a nylon rod of 0.975 kg."""
     made = rodlab.simulate(
         sheet.HammerOnBody(body=BODY, blows={"hits": 5, "peak": "500 N", "duration": "200 us"}),
         instrument={"sampling_rate": "51.2 kHz", "length": "80 ms", "before": "5 ms", "noise": "0.02 %"},

@@ -24,7 +24,7 @@ def test_hits_are_the_samples_of_the_files_in_si(polypropylene: Path) -> None:
     assert (len(hits), hits.channels, dict(hits.units)) == (5, ("a", "b"), {"a": "m/s^2", "b": "m/s^2"})
     for hit, samples in zip(hits.hits, files, strict=True):
         np.testing.assert_array_equal(hit.samples[0], samples[0])
-        # two roundings
+        # the tolerance is that of two roundings
         np.testing.assert_allclose(hit.samples[1], -samples[1] / 2e-3, rtol=1e-15)
         assert hit.time[1] - hit.time[0] == 1 / 65_536
     assert hits.accepted("a").shape == (5, files[0].shape[1])

@@ -147,7 +147,7 @@ def of_hits(
     kind : str, optional
         ``Receptance``, ``Mobility``, ``Accelerance``, ``DynamicStiffness``, ``Impedance`` or ``DynamicMass``; by default as measured.
     silent : str, optional
-        Time before a blow in which the channels are at rest.
+        Time before a hit in which the channels are at rest.
     **fields
         Any other field of the sheet, such as ``exponential_window=sheet.EndWeight(weight="1 %")``.
 

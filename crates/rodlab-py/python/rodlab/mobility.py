@@ -112,7 +112,7 @@ def of_hits(
     estimator : str, optional
         ``H1`` (default), ``H2``, ``Hv`` or ``Hs``.
     silent : float or str, optional
-        Time in s before a blow in which the channels are at rest.
+        Time in s before a hit in which the channels are at rest.
     source : mapping, optional
         Other fields of ``Hits`` in a sheet, such as ``{"exponential_window": "1 %"}``.
     **options

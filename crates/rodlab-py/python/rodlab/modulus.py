@@ -39,7 +39,7 @@ class Options(TypedDict, total=False):
     poisson_ratio: Number
     """Poisson's ratio, to correct for lateral inertia with the theory of Pochhammer and Chree."""
     silent: Number
-    """Time in s for which each record is silent before the blow: the noise is estimated from this part."""
+    """Time in s for which each record is silent before the hit: the noise is estimated from this part."""
     tail: str
     """``"Keep"`` to keep the end of long hits, which contains only noise; by default ``"LeaveOut"``."""
     limits: Mapping[str, str]
