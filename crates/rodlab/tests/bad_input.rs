@@ -18,7 +18,7 @@ fn said_of(change: impl Fn(&str) -> String) -> String {
     let run = rodlab(folder.path(), &["modulus", "modulus.ron", "--quiet"]);
     assert_eq!(text_of(&run.stdout), "");
     let done = folder.path().join("modulus-result/result.json").exists();
-    // a status of 2 leaves no result, one of 1 leaves what was found
+    // with status 2 there is no result, with status 1 there is one
     assert_eq!(done, run.status.code() == Some(1));
     let here = folder.path().canonicalize().unwrap();
     let words = text_of(&run.stderr);
@@ -162,13 +162,14 @@ fn too_few_hits() {
     ");
 }
 
-/// Returns the message about a sheet of the job `job` with this text, within a few seconds.
+/// Returns the message about a sheet of the job `job` with this text. Fails if the message takes
+/// half a minute.
 fn said_at_once(job: &str, text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("sheet.ron"), text).unwrap();
     let began = std::time::Instant::now();
     let run = rodlab(folder.path(), &[job, "sheet.ron", "--quiet"]);
-    // a sheet that is not refused runs for minutes
+    // a sheet that is not refused is computed for minutes
     assert!(began.elapsed().as_secs() < 30, "{:?}", began.elapsed());
     assert_eq!(run.status.code(), Some(2));
     assert!(!folder.path().join("sheet-result").exists());

@@ -1,5 +1,5 @@
-//! `rodlab bar`: waves of a long bar from virtual shots whose law is known, and what a laboratory
-//! does wrong.
+//! `rodlab bar`: waves of a long bar from virtual shots with a known law, and mistakes of
+//! laboratories.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -14,8 +14,8 @@ use testbed::long_bar::LongBar;
 
 use crate::runs::{Words, column, outcome_of as run, words, write_columns};
 
-/// Gauges 900 and 500 mm before the free end, and a quiet recorder; a pulse of 2 ms overlaps with
-/// its reflections.
+/// A bar with gauges 900 and 500 mm before the free end and a quiet recorder; a pulse of 2 ms
+/// overlaps with its reflections.
 fn long_pulse() -> LongBar {
     LongBar {
         noise: 1e-4,
@@ -24,7 +24,8 @@ fn long_pulse() -> LongBar {
     }
 }
 
-/// One gauge 900 mm before the end: the reflection comes after 1.27 ms, and the pulse lasts 0.3 ms.
+/// A bar with one gauge 900 mm before the end: the reflection arrives after 1.27 ms, and the pulse
+/// lasts 0.3 ms.
 fn short_pulse() -> LongBar {
     LongBar {
         pulse: [60e-6, 150e-6, 90e-6],
@@ -37,8 +38,8 @@ fn write(folder: &Path, rows: &[Vec<f64>]) {
     write_columns(&folder.join("shot.csv"), rows);
 }
 
-/// The template for these records, whose waves are one-dimensional and whose gauges are exact but
-/// for their factors.
+/// The template changed for these records: their waves are one-dimensional, and only the gauge
+/// factors are uncertain.
 fn two_gauges() -> String {
     let text = JobName::Bar.template(rodlab::sheet::Language::Ron);
     let changes = [
@@ -71,7 +72,8 @@ fn numbers<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
     column(outcome, "propagation", name)
 }
 
-/// Valid lines, and those outside the 95 % bands of damping coefficient and phase velocity.
+/// Numbers of valid lines, and of those outside the 95 % bands of damping coefficient and phase
+/// velocity.
 fn outside(outcome: &Outcome, bar: &LongBar) -> [usize; 3] {
     let words = words(outcome, "propagation", "validity");
     let mut found = [0; 3];
@@ -97,8 +99,8 @@ fn misfit(outcome: &Outcome) -> f64 {
 }
 
 /// The record ends while the bar rings, so that its lines are damped and neighbouring ones have
-/// correlated noise. Residuals of the true law that are taken for independent ones reject it in
-/// most shots; by chance it is rejected in one of a hundred.
+/// correlated noise. If the residuals were treated as independent, the true law would be rejected
+/// in most shots; by chance it is rejected in one of a hundred.
 #[test]
 fn the_true_law_explains_damped_lines() {
     let bar = LongBar {
@@ -142,7 +144,7 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
             if seed == 0 {
                 assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
                 outcome.summary[1].must_begin("Waves at ");
-                // in terms of a bar, and each of them once
+                // settings have the names of the sheet of a bar, each once
                 let speeds = outcome.settings.iter().filter(|s| s.name == "wave_speed");
                 let speeds: Vec<&str> = speeds.map(|s| s.value.as_str()).collect();
                 let stated = gains.len() == 1;
@@ -158,8 +160,8 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
                     assert!(outcome.figures.iter().any(|f| f.name == name), "{name}");
                 }
             }
-            // noise of 0.01 % of the peak, 0.1 % of a millisecond's mean, and lines between valid
-            // ones
+            // the residual contains noise, 0.01 % of the peak or 0.1 % of the mean over a
+            // millisecond, and the invalid lines between valid ones
             let left = misfit(&outcome);
             println!("{left}");
             assert!(left < 2.0, "{left}");
@@ -169,13 +171,13 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
         }
         println!("{counts:?}");
         let [lines, damping, speed] = counts;
-        // one in twenty, and the noise of some lines goes together
+        // one line in twenty is expected outside, and the noise of some lines is correlated
         assert!(lines > 100, "{counts:?}");
         assert!(damping < lines / 8 && speed < lines / 8, "{counts:?}");
     }
 }
 
-/// The material that the bar writes is one that a later sheet takes, with its file as an input.
+/// A later sheet accepts the material that `rodlab bar` writes, and lists its file as an input.
 #[test]
 fn the_material_of_a_bar_goes_into_a_later_sheet() {
     let folder = TempDir::new().unwrap();

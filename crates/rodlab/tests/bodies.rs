@@ -46,7 +46,8 @@ fn a_long_rod_of_each_law_has_its_characteristic_impedance() {
         ),
         (
             r#"ConstantQ(modulus: "3 GPa", loss_factor: "0.1", at: "2 kHz")"#,
-            // |E*| is 3 GPa at 2 kHz, and Im/Re = 0.1 everywhere: E* = 3 GPa (s/w0)^(2 atan(0.1)/pi) turned to be real in front
+            // E* = 3 GPa (s/w0)^(2 atan(0.1)/pi): |E*| is 3 GPa at 2 kHz, and Im/Re = 0.1 at every
+            // frequency
             Box::new(move |s| 3e9 * power(s / (TAU * 2e3), 2.0 * 0.1_f64.atan() / PI)),
         ),
         (
@@ -88,7 +89,7 @@ fn a_long_rod_of_each_law_has_its_characteristic_impedance() {
                 (found / exact - 1.0).norm() < 1e-12,
                 "{law} at {f} Hz: {found}, exact {exact}"
             );
-            // the wave loses: the real part is positive
+            // the body absorbs energy: the real part is positive
             assert!(found.re > 0.0);
         }
     }
@@ -98,7 +99,7 @@ fn a_long_rod_of_each_law_has_its_characteristic_impedance() {
 fn every_element_has_its_mass_at_low_frequency() {
     let law = r#"Elastic(modulus: "3000 GPa")"#;
     let rod = DENSITY * PI * DIAMETER * DIAMETER / 4.0 * 0.1;
-    // of a horn A(x) = A0 (A1/A0)^(x/L)
+    // end areas of a horn A(x) = A0 (A1/A0)^(x/L)
     let (near, far) = (PI * 0.03_f64.powi(2) / 4.0, PI * 0.01_f64.powi(2) / 4.0);
     let cone = DENSITY * PI / 12.0 * 0.1 * (9e-4 + 3e-4 + 1e-4);
     let horn = DENSITY * 0.1 * (near - far) / (near / far).ln();
@@ -123,14 +124,14 @@ fn every_element_has_its_mass_at_low_frequency() {
         let outcome = computed(law, &format!("Chain(elements: [{elements}])"));
         let (f, found) = lines(&outcome)[0];
         let exact = 1.0 / Complex64::new(0.0, TAU * f * mass);
-        // c = 51 km/s: (omega L/c)^2/3 = 5e-7 at 100 Hz, twice or thrice as much where the section
-        // varies
+        // for c = 51 km/s the elastic term is (omega L/c)^2/3 = 5e-7 at 100 Hz, two or three times
+        // as much if the section varies
         assert!(
             (found / exact - 1.0).norm() < 3e-6,
             "{elements}: {found}, {exact}"
         );
     }
-    // a spring and a dashpot in a row before a wall: F = k x, and F = c v behind it
+    // a spring and a dashpot in series before a wall: their mobilities i omega/k and 1/c add
     let outcome = computed(
         law,
         r#"Chain(elements: [Spring("2 MN/m"), Dashpot("300 kg/s")], end: Fixed)"#,
@@ -139,7 +140,7 @@ fn every_element_has_its_mass_at_low_frequency() {
         let exact = Complex64::new(0.0, TAU * f) / 2e6 + 1.0 / 300.0;
         assert!((found / exact - 1.0).norm() < 1e-12);
     }
-    // a dashpot at the end and a mass at the end
+    // a chain that ends with a dashpot or with a mass
     for (end, impedance) in [
         (
             r#"Dashpot("300 kg/s")"#,
@@ -159,8 +160,8 @@ fn every_element_has_its_mass_at_low_frequency() {
     }
 }
 
-/// A rod in two pieces with a sleeve between and a damped end on a spring, joined in an arbitrary
-/// order, against the impedances in a row.
+/// Two pieces of a rod with a sleeve between them and a spring and a dashpot at the end, joined in
+/// an arbitrary order: the impedance is that of the members in series.
 #[test]
 fn an_assembly_has_the_impedances_of_its_members_in_a_row() {
     let outcome = computed(
@@ -181,7 +182,7 @@ fn an_assembly_has_the_impedances_of_its_members_in_a_row() {
         let modulus = 3e9 + 0.6e9 * (s * 30e-6) / (1.0 + s * 30e-6);
         let characteristic = area * (modulus * DENSITY).sqrt();
         let gamma = s * (DENSITY / modulus).sqrt();
-        // impedance of a rod that ends in another impedance
+        // impedance of a rod that is terminated by the impedance `end`
         let along = |length: f64, end: Complex64| {
             let tanh = (gamma * length).tanh();
             characteristic * (end + characteristic * tanh) / (characteristic + end * tanh)

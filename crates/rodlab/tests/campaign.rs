@@ -1,4 +1,5 @@
-//! Many sheets: a bad test stops no other, finished tests are not repeated, parts form the whole.
+//! Campaigns of many sheets: a bad test does not stop the others, finished tests are not repeated,
+//! and the results of parts are merged.
 
 mod earlier_results;
 #[cfg(unix)]
@@ -56,7 +57,7 @@ fn campaign() -> TempDir {
     folder
 }
 
-/// All files below `folder`, by their names from there, as their lines.
+/// Texts of all files below `folder`, by their paths relative to it.
 fn files_below(folder: &Path) -> BTreeMap<PathBuf, String> {
     assert!(folder.is_dir(), "no {}", folder.display());
     let files = files_in(folder).into_iter();
@@ -106,7 +107,7 @@ fn one_bad_test_stops_no_other() {
         .lines()
         .map(|line| line.split(',').nth(3).unwrap())
         .collect();
-    // in order of the names
+    // statuses in the order of the names of the tests
     assert_eq!(
         statuses.join(", "),
         "status, answered, answered, not allowed, answered, answered, answered, wrong input"

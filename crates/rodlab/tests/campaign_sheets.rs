@@ -1,4 +1,5 @@
-//! Sheets of a campaign: made by a plan, and listed with what their results depend on.
+//! Sheets of a campaign: made from a plan, and listed with the inputs on which their results
+//! depend.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::runs::{Words, copy_example, rodlab, text};
 
-/// Two velocities, two masses, three seeds.
+/// A plan with two velocities, two masses and three seeds.
 const PLAN: &str = r#"Sweep(template: "hit.template", grid: [(name: "velocity", values: ["1 m/s", "2 m/s"]),
     (name: "mass", values: ["0.5 kg", "1 kg"])], seeds: (first: 7, count: 3))"#;
 
@@ -55,13 +56,13 @@ fn a_plan_makes_a_sheet_for_each_combination() {
         expected
     );
 
-    // the hashes are those that `list` and the results have
+    // the hashes equal those that `list` prints
     let listed = listed(folder.path(), "plan-sheets", 0);
     for (one, line) in listed.iter().zip(&lines[1..]) {
         assert_eq!(one["job"], "force");
         assert!(line.ends_with(one["sha256"].as_str().unwrap()), "{line}");
     }
-    // a second sweep replaces nothing, and adds nothing where one file is in its way
+    // a second sweep replaces no file, and writes no sheet at all if one of the files exists
     fs::remove_file(sheets.join("hit-01.ron")).unwrap();
     fs::write(sheets.join("hit-02.ron"), "mine").unwrap();
     let again = rodlab(folder.path(), &["sweep", "plan.ron"]);
@@ -168,7 +169,7 @@ fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
         after[0]["key"]
     );
 
-    // a wrong sheet is listed with its error, beside the others
+    // a wrong sheet is listed with its error, together with the others
     fs::write(folder.path().join("wrong.ron"), "Force(title: 1)").unwrap();
     let all = listed(folder.path(), "*.ron", 2);
     let tests: Vec<&str> = all

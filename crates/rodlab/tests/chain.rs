@@ -1,6 +1,6 @@
-//! From one record to the next: a bar is measured by one shot, its law with its errors is a file,
-//! and a specimen is tested with two such bars. Striker, waves, gauges, converters and their errors
-//! are virtual; the truth is known.
+//! Chains of evaluations: a bar is measured with one shot, its law with errors is written to a
+//! file, and a specimen is tested with two such bars. Striker, waves, gauges, converters and their
+//! errors are simulated, so that the true values are known.
 
 use std::fs;
 use std::path::Path;
@@ -36,7 +36,7 @@ const GOOD: &str = r#"{"format": "rodlab material 1", "title": "bar", "law": "Ze
     "density": 1150.0, "band_hz": [500.0, 9000.0], "errors": [{"source": "noise 1", "density": 0.0, "parameters": [1e-3, 0.0, 0.0]}],
     "doubts": [], "inputs": []}"#;
 
-/// The bar that is measured: of the polyamide of [`HopkinsonRig::nylon`].
+/// The bar that is measured, of the polyamide of [`HopkinsonRig::nylon`].
 fn long_bar() -> LongBar {
     let modulus = |s: Complex64| {
         let branch = |modulus: f64, time: f64| modulus * s * time / (1.0 + s * time);
@@ -54,7 +54,7 @@ fn write(folder: &Path, name: &str, rows: &[Vec<f64>]) {
     write_columns(&folder.join(name), rows);
 }
 
-/// Runs a sheet and writes what it attaches beside it.
+/// Runs a sheet and writes its attachments next to it.
 fn run(folder: &Path, name: &str, text: &str) -> Result<Outcome, RodlabError> {
     let path = folder.join(format!("{name}.ron"));
     fs::write(&path, text).unwrap();
@@ -65,7 +65,7 @@ fn run(folder: &Path, name: &str, text: &str) -> Result<Outcome, RodlabError> {
     Ok(outcome)
 }
 
-/// Measures the bar: positions and density are off by the laboratory's own errors.
+/// Measures the bar with random errors of the stated positions; `density` is the stated density.
 fn measure_bar(folder: &Path, density: f64, noise: &mut Noise, seed: u64) -> Outcome {
     write(folder, "bar.csv", &long_bar().shot(&[1.0, 1.02], seed));
     let mut placed = |x: f64| 1e3 * (x + POSITION * noise.normal());
@@ -142,7 +142,8 @@ fn test_specimen(
     run(folder, "shot", &text)
 }
 
-/// Stresses and strains inside their 95 % bands, and all, at tenths of the time of the result.
+/// Numbers of stresses and of strains inside their 95 % bands, and of all compared values, at
+/// tenths of the duration of the result.
 fn inside(outcome: &Outcome, truth: &HopkinsonTruth) -> [usize; 3] {
     let area = 0.25 * std::f64::consts::PI * DIAMETER * DIAMETER;
     let time = column(outcome, "stress_strain", "time");
@@ -165,7 +166,7 @@ fn inside(outcome: &Outcome, truth: &HopkinsonTruth) -> [usize; 3] {
     found
 }
 
-/// Laboratories that measure their bar and then test a specimen with it.
+/// Several laboratories measure their bar and then test a specimen with it.
 #[test]
 fn chain_from_a_measured_bar_to_a_curve_covers() {
     let truth = HopkinsonRig {
@@ -183,7 +184,7 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
         let density = 1150.0 + DENSITY * noise.normal();
         let bar = measure_bar(folder.path(), density, &mut noise, seed);
         assert_eq!(bar.verdict, Verdict::Answered, "{:?}", bar.summary);
-        // the law of the result assumed exact
+        // the law of the result without its errors
         let text = fs::read_to_string(folder.path().join("material.json")).unwrap();
         let start = text.find("\"errors\": [").unwrap();
         let end = text.find("\"doubts\"").unwrap();
@@ -201,16 +202,16 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
     }
     println!("covered {sum:?}, without the errors of the law {exact:?}, {doubts} in doubt");
     let part = |n: usize| n as f64 / sum[2] as f64;
-    // errors are common to a shot: 12 laboratories scatter by 6 % about 95 %
+    // errors are common to all times of a shot, so that 12 laboratories scatter by 6 % about 95 %
     assert!(part(sum[0]) > 0.8 && part(sum[1]) > 0.8, "{sum:?}");
-    // the density of the bars is that of their modulus: without its error the stress is off by more
-    // than the band
+    // the modulus was determined with the stated density of the bars: without the error of the
+    // density the stress is off by more than the band
     assert!(part(exact[0]) < part(sum[0]) - 0.05, "{exact:?}");
     assert!(doubts <= 1 + seeds as usize / 10, "{doubts}");
 }
 
-/// Force \[N\] at a time \[s\] on a long rod of the true material that a mass of 2 kg strikes with
-/// 3 m/s, behind the Gaussian low-pass of 10 kHz: $`m s V - m v_0 = -Z V`$ on the imaginary axis.
+/// Force \[N\] at a time \[s\] on a long rod of the true material that a mass of 2 kg strikes at 3
+/// m/s, after a Gaussian low-pass of 10 kHz: $`m s V - m v_0 = -Z V`$ on the imaginary axis.
 fn force_at(time: f64) -> f64 {
     const STEP: f64 = std::f64::consts::TAU * 4.0;
     let area = 0.25 * std::f64::consts::PI * 0.02 * 0.02;
@@ -226,8 +227,8 @@ fn force_at(time: f64) -> f64 {
     lines.sum::<f64>() * STEP / std::f64::consts::PI
 }
 
-/// A striker on a rod of the material that was measured: the force that is predicted covers the
-/// true one.
+/// A striker hits a rod of the measured material: the band of the predicted force contains the true
+/// force.
 #[test]
 fn chain_from_a_measured_bar_to_a_force_covers() {
     let times: Vec<f64> = (1..=8).map(|k| 0.25e-3 * f64::from(k)).collect();
@@ -273,7 +274,7 @@ fn chain_from_a_measured_bar_to_a_force_covers() {
     assert!(inside as f64 > 0.8 * f64::from(all), "{inside} of {all}");
 }
 
-/// Faults of a file of a material, and jobs that cannot use one.
+/// Faults in the file of a material, and jobs that cannot use such a file.
 #[test]
 fn chain_names_what_is_wrong() {
     let folder = tempfile::tempdir().unwrap();
@@ -334,8 +335,9 @@ fn chain_names_what_is_wrong() {
     refused.must_say("does not propagate the errors of a result");
 }
 
-/// A virtual test of a measured material is that of the same law with its numbers, by lines and by
-/// time marching, and is reported to have no errors.
+/// A virtual test of a measured material equals that of the same law stated in the sheet, computed
+/// in the frequency domain or by time marching; its report states that the errors of the material
+/// are not included.
 #[test]
 fn chain_material_in_a_virtual_test_is_its_law() {
     let folder = tempfile::tempdir().unwrap();
@@ -377,14 +379,14 @@ fn chain_material_in_a_virtual_test_is_its_law() {
         let largest = stated.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         assert!(largest > 0.0 && measured.len() == stated.len());
         for (a, b) in measured.iter().zip(&stated) {
-            // logarithms of the parameters there and back
+            // the parameters are converted to logarithms and back
             assert!((a - b).abs() < 1e-9 * largest, "{a} {b}");
         }
     }
 }
 
-/// A force from a bar that was measured: changes since then are named, in the result and in its
-/// source.
+/// Verification of a force on a measured bar names the files that were changed since, those of the
+/// result and those of its source.
 #[test]
 fn chain_of_results_is_verified() {
     let folder = tempfile::tempdir().unwrap();
@@ -416,7 +418,7 @@ fn chain_of_results_is_verified() {
     );
     let all = rodlab::verify::verify_all(folder.path(), Some(folder.path())).unwrap();
     assert!(all.len() == 2 && all.iter().all(|one| one.is_as_it_was()));
-    // the record of the bar was edited, one result was edited by hand, and a sheet is gone
+    // the record of the bar is changed, one result is edited by hand, and a sheet is removed
     let shot = folder.path().join("shot-1.npy");
     let mut bytes = fs::read(&shot).unwrap();
     *bytes.last_mut().unwrap() ^= 1;

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::runs::{Words, done, rodlab, text};
 
-/// Status and text of the standard error.
+/// Returns the exit status and the text of the standard error.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let output = rodlab(folder, arguments);
     assert_eq!(text(&output.stdout), "");
@@ -101,7 +101,7 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     assert_eq!(result["warnings"], serde_json::json!([]));
     let sentence = result["summary"][0].as_str().unwrap();
     sentence.must_say("loss factor 0.0");
-    // nothing is replaced
+    // // the existing folder is not replaced
     let said = refused(folder.path(), &["demo", "first"]);
     said.must_begin("status 2\nerror: the folder of the demo is first, ");
     said.must_say("`rodlab demo first-2`");
@@ -257,7 +257,7 @@ fn check_reads_everything_and_computes_nothing() {
 #[cfg(unix)]
 #[test]
 fn a_folder_that_cannot_be_written_is_named() {
-    // a file in place of the folder, which no permission of the caller changes
+    // a file in place of the folder, which is an error whatever the permissions of the caller
     let folder = folder_with(&[("hit.ron", FORCE), ("taken", "")]);
     let said = refused(folder.path(), &["force", "hit.ron", "--out", "taken"]);
     said.must_begin("status 2\nerror: cannot write taken: it is a file, expected a folder");
@@ -300,7 +300,8 @@ fn a_recording_is_inspected_and_converted() {
         .must_say("job = \"fit\"");
 }
 
-/// The first channel has its unit from the file; the second has none.
+/// The first channel has its unit from the file; the second has none, so that the command is
+/// refused.
 #[test]
 fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
     let folder = folder_with(&[
@@ -324,7 +325,7 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
     }
     assert!(!folder.path().join("frf.toml").exists());
     assert_eq!(fs::read(&result).unwrap(), earlier);
-    // a sheet with a name of the user's choice, and one that was there before, stay
+    // a sheet with a name chosen by the user, and a sheet that existed before, are kept
     refused(
         folder.path(),
         &[&call[..], &["--save", "frf.toml"]].concat(),
@@ -333,7 +334,7 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
     assert!(folder.path().join("frf.toml").is_file());
 }
 
-/// One blow and one response, each of one sample.
+/// The records contain a force of one sample and a response of one sample.
 #[test]
 fn a_unit_against_that_of_the_file_is_found_by_check_and_a_written_sheet_is_named() {
     let samples = (0..64).map(|n| {
@@ -359,7 +360,7 @@ fn a_unit_against_that_of_the_file_is_found_by_check_and_a_written_sheet_is_name
 
 #[test]
 fn a_sheet_whose_files_are_missing_is_found_by_check() {
-    // every template names recordings that are not there, but for those of virtual tests and of two
+    // every template names recordings that do not exist, except those of virtual tests and of two
     // computed bodies
     let folder = folder_with(&[]);
     for job in ["frf", "modulus", "identify"] {

@@ -33,7 +33,7 @@ fn source(folder: &Path, contents: &Contents) -> std::path::PathBuf {
     path
 }
 
-/// The same data sets; contents themselves are not cloned, for their defects are not.
+/// Returns a copy of the data sets; `Contents` cannot be cloned because its defects cannot.
 fn same_series(contents: &Contents) -> Contents {
     let mut copy = Contents::of_format(contents.format);
     copy.series.clone_from(&contents.series);
@@ -48,8 +48,8 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
     rate_hz: None,
 };
 
-/// A MATLAB file holds numbers, names, kinds and axes to the bit; properties of series are reported
-/// as lost.
+/// A MATLAB file keeps numbers, names, kinds and axes to the last bit; properties of series are
+/// reported as lost.
 #[test]
 fn a_matlab_file_holds_numbers_names_and_axes() {
     let folder = tempfile::tempdir().unwrap();
@@ -73,7 +73,7 @@ fn a_matlab_file_holds_numbers_names_and_axes() {
         assert_eq!(one.ordinate_axis, other.ordinate_axis);
         assert_eq!(one.abscissa_axis, other.abscissa_axis);
     }
-    // and nothing is lost on the way to a table
+    // nothing is lost in the conversion to a table
     let table = folder.path().join("hits.csv");
     let done = convert(&target, &table, options).unwrap();
     assert!(done.lost.is_empty(), "{:?}", done.lost);
@@ -91,7 +91,7 @@ proptest! {
         let acceleration: Vec<f64> = force.iter().map(|f| scale * f).collect();
         let contents = two_channels(force, acceleration);
         let mut path = source(folder.path(), &contents);
-        // a binary universal file keeps 8 digits of the step, and comes last
+        // a binary universal file keeps 8 digits of the step and is therefore tested last
         for (number, ending) in ["csv", "npz", "csv"].into_iter().enumerate() {
             let next = folder.path().join(format!("{number}.{ending}"));
             convert(&path, &next, LOSSLESS).unwrap();
@@ -157,7 +157,7 @@ fn what_a_format_has_no_place_for_is_listed() {
       the property `operator` of the file, `N. N.`
       the property `serial` of `end A`, `12345`
     ");
-    // the values are there nevertheless
+    // the values are converted nevertheless
     let back = format::read(folder.path().join("bare.npy")).unwrap();
     assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
     let back = format::read(folder.path().join("sound.wav")).unwrap();
@@ -307,7 +307,7 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
     convert(&path, &target, force).unwrap();
     let back = format::read(&target).unwrap();
     assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
-    // by whatever name
+    // the source is refused as a target under any of its names
     let mut names = vec![path.clone(), folder.path().join("./source.npz")];
     #[cfg(unix)]
     {

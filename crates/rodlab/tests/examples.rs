@@ -1,4 +1,5 @@
-//! The examples, by the commands of their README, against what their records were made of.
+//! The examples, run by the commands of their README and compared with the true values of their
+//! records.
 
 use std::path::Path;
 
@@ -6,7 +7,7 @@ use serde_json::Value;
 
 use crate::runs::{Words, done};
 
-/// The result of a sheet of the examples, written to a folder of its own.
+/// Result of a sheet of the examples, written to a temporary folder.
 fn result_of(example: &str, job: &str) -> Value {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let folder = tempfile::tempdir().unwrap();
@@ -21,7 +22,8 @@ fn result_of(example: &str, job: &str) -> Value {
     result
 }
 
-/// Columns have names that any program can use, each once in a table, the same in JSON and CSV.
+/// Checks that names of columns are plain identifiers, unique in their table, and equal in JSON and
+/// CSV.
 fn names_are_plain(result: &Value, folder: &Path) {
     let text = |value: &Value| value.as_str().unwrap().to_owned();
     for table in result["tables"].as_array().unwrap() {
@@ -43,7 +45,7 @@ fn names_are_plain(result: &Value, folder: &Path) {
     }
 }
 
-/// Value and standard error of a quantity that is said to be valid.
+/// Value and standard error of a quantity that the result marks as valid.
 fn quantity(result: &Value, name: &str) -> (f64, f64) {
     let all = result["quantities"].as_array().unwrap();
     let found = all.iter().find(|q| q["name"] == name);
@@ -69,8 +71,8 @@ fn column(result: &Value, table: &str, name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// The material of a plan: |E| [GPa] at a frequency [Hz], and a loss factor that is the same at
-/// all.
+/// The material of a plan: |E| [GPa] at a frequency [Hz], and a loss factor that does not depend on
+/// the frequency.
 struct Material {
     modulus: f64,
     at: f64,
@@ -110,7 +112,7 @@ fn moduli_are_those_of(material: &Material, result: &Value) {
         };
         let value = quantity["value"].as_f64().unwrap();
         let error = quantity["standard_error"].as_f64().unwrap();
-        // four standard errors: the records are one draw, and were not chosen
+        // four standard errors: the records are one draw of the noise and were not selected
         assert!(
             (value - expected).abs() < 4.0 * error,
             "{name}: {value} ± {error}, expected {expected}"
@@ -141,7 +143,7 @@ fn one_shot_gives_the_modulus_of_a_polymer_bar() {
         loss_factor: 0.02,
     };
     moduli_are_those_of(&polycarbonate, &result);
-    // both gauges are of one calibration, which the sheet does not state
+    // the true sensitivities of both gauges are equal, which the sheet does not state
     let (gain, error) = quantity(&result, "error of the sensitivity of gauge 2, found");
     assert!(
         gain.abs() < 4.0 * error && error < 0.1,
@@ -149,8 +151,8 @@ fn one_shot_gives_the_modulus_of_a_polymer_bar() {
     );
 }
 
-/// Constant strain rates would give 10 MPa (rate/8)^(1/4) of the dashpot, and the spring of 50 MPa
-/// beside it.
+/// At a constant strain rate the stress is 10 MPa (rate/8)^(1/4) of the dashpot plus that of the
+/// spring of 50 MPa in parallel.
 #[test]
 fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
     let result = result_of("shpb", "shpb");
@@ -166,7 +168,7 @@ fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
     let rate_half = of("half_width_strain_rate_95_per_s");
     let (mut checked, mut most) = (0, 0.0_f64);
     for at in 4..strain.len() - 4 {
-        // the spring in series takes its part of the rate
+        // the spring in series contributes to the strain rate
         let elastic = (stress[at + 4] - stress[at - 4]) / 16e-6 / 1200.0;
         let viscous = rate[at] - elastic;
         if strain[at] > 0.016 && viscous > 40.0 {
@@ -183,11 +185,13 @@ fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
             checked += 1;
         }
     }
-    // the bars are as stated; at the end of the pulse the rate changes within the 32 us of the band
+    // the bars have the stated properties; at the end of the pulse the rate changes within the
+    // 32 us of the band limit
     assert!(checked > 40 && most < 0.035, "{checked} {most}");
 }
 
-/// The law and the parameters of `plan.ron`, through a flat striker and the filter of a recorder.
+/// The law and the parameters of `plan.ron` are found from records of a flat striker and a recorder
+/// with a filter.
 #[test]
 fn the_nylon_rod_has_the_law_of_its_plan() {
     let result = result_of("nylon", "identify");
@@ -209,7 +213,7 @@ fn the_nylon_rod_has_the_law_of_its_plan() {
     }
 }
 
-/// The file states its true values: the shifts and the law that the sheet names must be found.
+/// The comment in the sheet states the true values: the shifts and the law must agree with it.
 #[test]
 fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
     let result = result_of("epoxy", "fit");
@@ -227,8 +231,9 @@ fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
     assert_eq!(column(&result, "shifts", "temperature_degc").len(), 13);
 }
 
-/// First steps of the force: a piston and a shank of one section press with half the velocity on the
-/// impedance of each, and, when the collar has answered, with its reflection coefficient more.
+/// First steps of the force: piston and shank have the same section, so that the force is their
+/// impedance times half the velocity. When the reflection from the collar has returned, the force
+/// is larger by the reflection coefficient.
 #[test]
 fn the_piston_presses_as_the_sections_of_the_shank_say() {
     let result = result_of("drill_string", "force");
@@ -244,7 +249,7 @@ fn the_piston_presses_as_the_sections_of_the_shank_say() {
     assert!((at(1.3 * back) / first - 1.0 - reflected).abs() < 1e-6);
     let (impulse, error) = quantity(&result, "impulse");
     let momentum = 9.5 * 0.5 * area(0.038) * 7800.0;
-    // the piston comes back with 15 % of its velocity
+    // the piston rebounds with 15 % of its velocity
     assert!(impulse / momentum > 1.1 && impulse / momentum < 1.2);
     assert!(error / impulse > 0.005 && error / impulse < 0.015);
 }
@@ -260,8 +265,8 @@ fn the_cone_presses_as_computed_from_its_impedances() {
     let nylon = |f: f64| area(0.075) * (1150.0 * 2.6e9 * (f / 3e3).powf(exponent)).sqrt();
     let steel = area(0.010) * (7780.0 * 206e9_f64).sqrt();
     let jump = |f: f64| 0.93 / (1.0 / nylon(f) + 1.0 / steel);
-    // a cone gives way to what comes later than its jump: the band rounds a force that falls from
-    // it by some percent in 2 sigma
+    // after its jump the force falls by some per cent within 2 sigma of the low-pass of the band,
+    // which rounds the peak
     assert!(
         peak > 0.93 * jump(1e4) && peak < jump(1e5),
         "{peak}, {} to {}",

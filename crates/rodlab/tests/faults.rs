@@ -1,10 +1,10 @@
-//! Faults that a laboratory meets, done to the program as a person runs it, and counted: nothing is
-//! lost and nothing panics.
+//! Faults that occur in laboratories, injected into runs of the program and counted: no data are
+//! lost and the program does not panic.
 //!
-//! By itself this tries a few points of every fault. `RODLAB_FAULTS=all cargo test --locked
+//! By default, a few points of every fault are tried. `RODLAB_FAULTS=all cargo test --locked
 //! --workspace --test it faults:: -- --test-threads 1` tries all of them, which takes a quarter of
-//! an hour, and writes the counts to `docs/faults.ron`; `cargo xtask validate` makes the table
-//! in `docs/validation.md` of them.
+//! an hour, and writes the counts to `docs/faults.ron`, from which `cargo xtask validate` makes the
+//! table in `docs/validation.md`.
 #![cfg(unix)]
 
 mod cut_records;

@@ -1,8 +1,7 @@
-//! The job `fit` on virtual sweeps whose truth is known, on tables that are wrong, and on measured
-//! sweeps.
+//! The job `fit` on virtual sweeps with known true values, on wrong tables, and on measured sweeps.
 //!
-//! The virtual material is a fractional Zener model whose relaxation time follows WLF or Arrhenius,
-//! by the formulas of this file.
+//! The virtual material is a fractional Zener model whose relaxation time follows WLF or Arrhenius;
+//! its formulas are in `fit/sweep.rs`.
 
 mod measured;
 mod over_time;
@@ -31,7 +30,7 @@ fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
     (end("lower end"), end("upper end"))
 }
 
-/// Interval of a parameter of the fractional Zener model.
+/// Confidence interval of a parameter of the fractional Zener model.
 fn interval(outcome: &Outcome, parameter: &str) -> (f64, f64) {
     interval_of(outcome, "fractional Zener", parameter)
 }
@@ -42,8 +41,9 @@ fn reasons(outcome: &Outcome) -> String {
 
 const LAWS: &str = "laws: (laws: [FractionalZener, GeneralisedMaxwell]),";
 
-/// 41 rows of the virtual material at one temperature with 1 % of noise: the causal estimate has its
-/// modulus with errors below those of the rows, and a loss that is a fifth too small contradicts it.
+/// 41 rows of the virtual material at one temperature with 1 % of noise: the causal estimate gives
+/// the modulus with smaller errors than the rows have, and rows with a fifth less loss contradict
+/// every relaxing material.
 #[test]
 fn rows_are_told_from_those_of_no_relaxing_material() {
     let folder = TempDir::new().unwrap();
@@ -76,7 +76,8 @@ fn rows_are_told_from_those_of_no_relaxing_material() {
         squares += ((storage - truth) / error).powi(2) / 41.0;
         assert!(error < 0.01 * truth, "{f} Hz: {error}");
     }
-    // errors that all rows share: a few values, not 41
+    // the errors of the causal estimate are common to many rows, so that there are only a few
+    // independent values
     assert!((0.05..4.0).contains(&squares), "{squares}");
     assert!(reasons(&found(0.8)).contains("contradict every relaxing material"));
 }
@@ -90,7 +91,6 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
         cards: (name: "EPOXY", poisson_ratio: "0.38", programs: [Abaqus, LsDyna])),"#;
     let outcome = answered(run(folder.path(), &sweep.sheet(rest)));
 
-    // the shifts
     let temperatures = numbers(&outcome, "shifts", "temperature");
     let log_shifts = numbers(&outcome, "shifts", "log10 of the shift");
     let errors = numbers(&outcome, "shifts", "standard error");
@@ -105,13 +105,12 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     outcome.summary[0]
         .must_begin("One curve at 60 °C from 13 of 13 temperatures (30 °C to 90 °C), over ");
 
-    // their law
     for (name, truth) in [("WLF, C1", sweep::C1), ("WLF, C2", sweep::C2)] {
         assert!(is_found(&outcome, name, truth, [4.0, 0.1]).valid);
     }
     assert!(!quantity(&outcome, "Arrhenius, activation energy").valid);
 
-    // the law of the material
+    // // the law of the material and its parameters
     assert_eq!(words(&outcome, "laws", "law")[0], "fractional Zener");
     for (name, truth) in sweep.parameters() {
         let found = quantity(&outcome, &format!("fractional Zener, {name}"));
@@ -130,7 +129,8 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
         .valid
     );
 
-    // the errors of the shifts reach the parameters, whose own are of the same size
+    // the errors of the shifts are part of those of the parameters, and of similar size as their
+    // random errors
     let time = quantity(&outcome, "fractional Zener, relaxation time");
     let of = |part: &str| -> f64 {
         let (_, behind) = time.verdict.split_once(part).unwrap();
@@ -139,7 +139,7 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     let (random, common) = (of("random ± "), of("common ± "));
     assert!(common > 0.3 * random, "{}", time.verdict);
 
-    // the series along the band, against the formula
+    // the Prony series is compared with the formula over the band
     let x = numbers(&outcome, "master_curve", "reduced frequency");
     let storage = numbers(&outcome, "master_curve", "E' of the series");
     let loss = numbers(&outcome, "master_curve", "E'' of the series");
@@ -149,7 +149,6 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
         assert!(off < 0.02, "{f}: {off}");
     }
 
-    // the cards
     let names = attachments_of(&outcome);
     assert_eq!(names, "material.json, EPOXY.inp, EPOXY.k");
     let card = String::from_utf8(outcome.attachments[1].bytes.clone()).unwrap();
@@ -172,8 +171,9 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     );
 }
 
-/// Read as in ISO 10112: across to the line of a temperature, up to the curves. The series is
-/// accurate to 2 %; a shift that is wrong by a tenth of a decade moves the modulus by 5 % and more.
+/// The nomogram is read as in ISO 10112: horizontally to the line of a temperature, then vertically
+/// to the curves. The series is accurate to 2 %; a shift that is wrong by a tenth of a decade
+/// changes the modulus by at least 5 %.
 #[test]
 fn a_modulus_read_from_the_nomogram_is_that_at_its_frequency_and_temperature() {
     let folder = TempDir::new().unwrap();
@@ -217,7 +217,7 @@ fn a_modulus_read_from_the_nomogram_is_that_at_its_frequency_and_temperature() {
     assert!(read >= 10, "{read} places read");
 }
 
-/// The sweep of the example; `RODLAB_WRITE_EXAMPLES` writes it.
+/// The sweep of the example equals the one made here; `RODLAB_WRITE_EXAMPLES` writes it.
 #[test]
 fn the_example_is_the_sweep_of_this_test() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/epoxy/sweep.csv");
@@ -232,7 +232,7 @@ fn the_example_is_the_sweep_of_this_test() {
     );
 }
 
-/// 40 sweeps by default, or `SEEDS`.
+/// Evaluates 40 sweeps, or the number in the environment variable `SEEDS`.
 #[test]
 fn intervals_of_shifts_and_parameters_cover_the_truth() {
     let seeds: u64 = testbed::noise::draws(40);
@@ -303,26 +303,27 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
          WLF: mean chi-square {chi_squared} of 10, {admitted} admitted, {constants} of {} constants within 95 %",
         2 * seeds
     );
-    // of every decade of the curve, its ends included; a series of branches bends about the power
-    // law by up to a standard error of its own
+    // errors of the series in every decade of the curve, including its ends; a series of branches
+    // deviates from the power law by up to one of its standard errors
     for ((part, decade), (squares, lines)) in series {
         let z = (squares / lines).sqrt();
         assert!(z < 1.5, "{part} from 1e{decade} Hz: {z} standard errors");
     }
-    // shifts of one sweep share the error of the reference: 40 sweeps count as some 100 independent
-    // ones
+    // the shifts of one sweep have the error of the reference in common, so that 40 sweeps give
+    // about 100 independent values
     for (name, covered) in [
         ("shifts", share(shifts, all_shifts)),
         ("parameters", share(parameters, all_parameters)),
     ] {
         assert!((0.88..=0.995).contains(&covered), "{name}: {covered}");
     }
-    // the shifts have the distribution that their laws suppose; C1 and C2 err together
+    // the shifts have the distribution that the fits of their laws assume; the errors of C1 and C2
+    // are correlated
     let seeds = seeds as f64;
     assert!((chi_squared / 10.0 - 1.0).abs() < 0.3, "{chi_squared}");
     assert!(f64::from(admitted) > 0.9 * seeds, "{admitted}");
     assert!(f64::from(constants) > 0.85 * 2.0 * seeds, "{constants}");
-    // p < 0.01 of the check of one curve refuses one in a hundred
+    // the check of the curve, with p < 0.01, rejects one sweep in a hundred
     assert!(f64::from(answered) > 0.9 * seeds, "{answered}");
 }
 
@@ -340,8 +341,8 @@ fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
     outcome.summary.must_begin("The shifts follow Arrhenius: ");
 }
 
-/// Without errors in the sheet the result is the same, and its errors are those of the scatter: also
-/// of a phase that scatters a fifth as much as |E|, from two points per decade.
+/// Without errors in the sheet the result is the same, with errors from the scatter, even with two
+/// points per decade and a phase that scatters a fifth as much as |E|.
 #[test]
 fn unstated_errors_are_those_of_the_scatter() {
     let sparse = Sweep {
@@ -427,7 +428,7 @@ fn columns_units_and_order_of_rows_do_not_matter() {
         );
         let found = shifts(&sheet);
         for (a, b) in expected.iter().zip(&found) {
-            // the errors of E' and tan δ are not those of |E| and δ, but nearly
+            // the errors of E' and tan δ differ slightly from those of |E| and δ
             assert!((a - b).abs() < 0.02, "{layout:?}: {expected:?} {found:?}");
         }
     }
@@ -501,8 +502,8 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
     );
 }
 
-/// Moduli proportional to T/T_r over 20 K, where this is hardly told from a factor of 1: the errors
-/// of the parameters contain the doubt, and a warning states it.
+/// Moduli proportional to T/T_r over 20 K can hardly be distinguished from moduli with a factor of
+/// 1: the errors of the parameters include both, and a warning states this.
 #[test]
 fn an_open_choice_of_the_factors_is_stated() {
     let seeds = 20;
@@ -539,12 +540,13 @@ fn an_open_choice_of_the_factors_is_stated() {
         "{kept} of {seeds} sweeps keep a factor of 1, rms of the errors {rms} standard errors"
     );
     assert!(kept > 0, "{kept}");
-    // The four parameters err together, so the standard deviation of the mean square is 0.32. With
-    // the error of the choice it is 0.76 in 16 sweeps of a generator in numpy; without, 2.9.
+    // The errors of the four parameters are correlated, so that the standard deviation of the mean
+    // square is 0.32. In 16 sweeps of a generator in NumPy the mean square is 0.76 with the error
+    // of the choice, and 2.9 without.
     assert!(rms < 1.96_f64.sqrt(), "{rms}");
 }
 
-/// The labels of two temperatures exchanged: relaxation would slow down with temperature.
+/// The labels of two temperatures are exchanged, as if relaxation slowed down with temperature.
 #[test]
 fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
     let folder = TempDir::new().unwrap();

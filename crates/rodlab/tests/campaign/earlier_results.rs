@@ -15,7 +15,7 @@ fn what_is_done_is_not_done_again_unless_something_has_changed() {
     let first = written("slow/1");
     let second = written("slow/2");
 
-    // one sheet changes, one is mended
+    // one sheet is changed, one is corrected
     fs::write(
         folder.path().join("campaign/slow/2.ron"),
         sheet("2 m/s", "5 ms"),
@@ -117,14 +117,14 @@ fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
         );
         assert!(now[Path::new("failure.json")].contains("0.5 m"));
         assert_eq!(now[Path::new("earlier-report.html")], report);
-        // it fails again, and is mended
+        // the sheet fails again, and is corrected
         assert_eq!(rodlab(folder.path(), command).status.code(), Some(2));
         assert_eq!(files_below(&result), now);
         fs::write(&path, &good).unwrap();
         assert_eq!(rodlab(folder.path(), command).status.code(), Some(0));
         assert!(files_below(&result).keys().eq(whole.keys()));
     }
-    // a sheet that is not there has not failed, nor has one that was given to another command
+    // a missing sheet, or one that is given to another command, leaves the earlier result
     for command in [
         ["force", "hti.ron", "--out", "results/hit"],
         ["frf", "hit.ron", "--out", "results/hit"],
@@ -132,7 +132,7 @@ fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
         assert_eq!(rodlab(folder.path(), &command).status.code(), Some(2));
         assert!(result.join("result.json").is_file());
     }
-    // nor is a folder made, or a result of another program taken away
+    // a failure creates no folder, and does not remove a result of another program
     fs::write(&path, &wrong).unwrap();
     fs::create_dir(folder.path().join("mine")).unwrap();
     fs::write(folder.path().join("mine/result.json"), "{}").unwrap();

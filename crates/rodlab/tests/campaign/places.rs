@@ -1,9 +1,9 @@
-//! Folders of sheets, and those of their results.
+//! Folders of sheets, and folders of their results.
 
 use super::*;
 use crate::runs::{Words, done};
 
-/// Names and statuses of the tests in a summary.
+/// Names of the tests in a summary.
 fn tests_in(folder: &Path) -> Vec<String> {
     let summary = fs::read_to_string(folder.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
@@ -46,7 +46,7 @@ fn r19_results_stay_in_their_folder() {
         fs::remove_dir_all(folder.path().join("done")).unwrap();
         assert_eq!(files_below(folder.path()), sheets, "nothing elsewhere");
     }
-    // names that are none without the extension, and two that are one
+    // a name that is empty without its extension, and two names that are equal without it
     put("here/odd/...ron");
     put("here/two/x.ron");
     put("here/two/x.txt");
@@ -72,7 +72,8 @@ fn r19_a_folder_behind_links_is_looked_into_once() {
         fs::create_dir_all(at(name).parent().unwrap()).unwrap();
         fs::write(at(name), sheet("1 m/s", "4 ms")).unwrap();
     }
-    // to itself, to a folder that is there too, to one outside by two names
+    // links to the folder itself, to a folder that is also listed, and two links to a folder
+    // outside
     symlink(".", at("campaign/m/again")).unwrap();
     symlink("..", at("campaign/m/up")).unwrap();
     symlink("m", at("campaign/a")).unwrap();
@@ -80,7 +81,7 @@ fn r19_a_folder_behind_links_is_looked_into_once() {
     symlink("../elsewhere", at("campaign/second")).unwrap();
     done(folder.path(), &["batch", "campaign", "--out", "results"]);
     assert_eq!(tests_in(&at("results")), ["first/2", "m/1"]);
-    // by the name of a link the tests are the same
+    // a link to the folder of the campaign gives the same tests
     symlink("campaign", at("link")).unwrap();
     rodlab(
         folder.path(),

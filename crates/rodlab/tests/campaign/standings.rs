@@ -1,9 +1,10 @@
-//! Tests in doubt and tests refused beside others that are answered.
+//! Campaigns with tests in doubt and refused tests among answered ones.
 
 use super::*;
 use crate::runs::Words;
 
-/// The rod of the examples as it was measured, and with a sensor that is wired the other way round.
+/// A campaign with the rod of the examples as it was measured, and with one sensor of inverted
+/// polarity.
 fn right_and_inverted() -> TempDir {
     let folder = TempDir::new().unwrap();
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
@@ -53,7 +54,7 @@ fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
     let report = read("inverted/modulus/report.html");
     report.must_say("<p class=\"standing in-doubt\">in doubt</p>");
 
-    // no number of it is valid, the law is fitted nevertheless
+    // no quantity of the inverted test is valid; its law is fitted nevertheless
     let (mut of_inverted, mut of_law, mut valid_of_right) = (0, 0, 0);
     for line in read("quantities.csv").lines().skip(1) {
         let is_check = line.contains(",\"check: ");

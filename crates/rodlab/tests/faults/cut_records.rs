@@ -44,14 +44,14 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
 
 #[derive(Debug)]
 enum Judged {
-    /// Values that were read, if nothing is known to compare them with.
+    /// Values that were read, if there are no expected values to compare them with.
     Whole(Value),
     Came(Came),
 }
 
 type Judge = fn(&RecordFile, usize, &Path, Option<&Value>) -> Judged;
 
-/// Judges the answer of `inspect`, which passes over what it cannot read, to the first `cut` bytes.
+/// Judges the output of `inspect`, which skips unreadable parts, for the first `cut` bytes.
 fn inspected(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>) -> Judged {
     let name = format!("inspected-{cut}.{}", file.ending);
     let bytes = &file.bytes[..cut];
@@ -76,7 +76,7 @@ fn inspected(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>
     })
 }
 
-/// Judges a strict reading of the first `cut` bytes, written as another format.
+/// Judges the output of `convert`, which refuses unreadable parts, for the first `cut` bytes.
 fn converted(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>) -> Judged {
     let [name, output] = [file.ending, "npz"].map(|ending| format!("converted-{cut}.{ending}"));
     let output = output.replace("converted", "new");
@@ -113,7 +113,7 @@ fn says_so(sentences: &Value) -> bool {
         .any(|sentence| sentence.as_str().unwrap().contains("was cut short"))
 }
 
-/// Every number of a file, as its bits, a row for each data set.
+/// Bit patterns of all numbers in a file, one list for each data set.
 fn numbers_in(path: &Path) -> Value {
     let contents = format::read(path).unwrap();
     let bits = |series: &labio::Series| -> Vec<u64> {
@@ -141,7 +141,7 @@ fn begins_with(whole: &Value, shorter: &Value) -> bool {
         })
 }
 
-/// A modulus from five hits of which the first is cut at a hundred places.
+/// Runs a modulus from five hits, the first of which is cut at a hundred places.
 fn in_a_job(ending: &str, extent: Extent) -> Row {
     let folder = TempDir::new().unwrap();
     copy_example("frame", folder.path());

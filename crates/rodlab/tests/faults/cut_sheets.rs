@@ -49,7 +49,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
 fn row(fault: &str, text: &[u8], folder: &Path, extent: Extent) -> Row {
     let mut points: Vec<usize> = (0..text.len()).step_by(10).collect();
     points.push(text.len());
-    // behind the last bracket there is nothing but space
+    // after the last bracket there is only white space
     let end = text.trim_ascii_end().len();
     Row::of(
         format!("{fault}, `rodlab check`"),
@@ -63,7 +63,7 @@ fn row(fault: &str, text: &[u8], folder: &Path, extent: Extent) -> Row {
             if let Some(broke) = ran.broke() {
                 return broke;
             }
-            // a template is understood when the recordings that it names are missed
+            // a template was read completely if the message reports that its recordings are missing
             let misses = ran.err.starts_with("error: no file matches")
                 || ran.err.starts_with("error: cannot read") && !ran.err.contains(&name);
             let understood = ran.status == Some(0) || misses;

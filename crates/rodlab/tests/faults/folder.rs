@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files below a folder by their names from there.
+/// Files below a folder, by their paths relative to it.
 pub(crate) type Files = BTreeMap<PathBuf, Vec<u8>>;
 
-/// All files below `folder`; none if it is not there.
+/// All files below `folder`; none if it does not exist.
 pub(crate) fn files_in(folder: &Path) -> Files {
     fn collect(folder: &Path, root: &Path, found: &mut Files) {
         for entry in fs::read_dir(folder).into_iter().flatten() {
@@ -40,8 +40,8 @@ fn is_temporary(name: &Path) -> bool {
     name.starts_with(".rodlab-")
 }
 
-/// Returns an error unless every file under its final name is whole, being that of one of
-/// `results`, and all files are of one of them where there is a `result.json`.
+/// Returns an error unless every file with a final name equals that of one of `results` and, if
+/// there is a `result.json`, all files belong to the same result.
 pub(crate) fn is_whole(now: &Files, results: &[&Files]) -> Result<(), String> {
     let finals: Files = now
         .iter()
@@ -64,7 +64,7 @@ pub(crate) fn is_whole(now: &Files, results: &[&Files]) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the first difference of two folders.
+/// Returns the first difference between two folders.
 pub(crate) fn difference(now: &Files, expected: &Files) -> Option<String> {
     if !now.keys().eq(expected.keys()) {
         let (now, expected): (Vec<_>, Vec<_>) = (now.keys().collect(), expected.keys().collect());

@@ -11,7 +11,7 @@ use super::program::{Ran, rodlab, run, shell};
 use super::struck_mass::{self, sheet};
 use super::tally::{Came, Extent, Row};
 
-/// Unit of `ulimit -f` in bytes.
+/// Bytes in one unit of `ulimit -f`.
 const BLOCK: usize = 512;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
@@ -63,14 +63,13 @@ fn made_by(arguments: &str) -> Files {
     files_in(&folder.path().join("out"))
 }
 
-/// Every limit in blocks from nothing to the longest of `files`.
+/// All limits in blocks, from 0 to the length of the longest of `files`.
 fn limits(files: &Files) -> Vec<usize> {
     let longest = files.values().map(Vec::len).max().unwrap();
     (0..=longest.div_ceil(BLOCK)).collect()
 }
 
-/// Runs `arguments` where `before` is in the folder `out`, and no file may become longer than a
-/// limit.
+/// Runs `arguments` with the files `before` in the folder `out` and a limit of the length of files.
 fn limited(fault: &str, arguments: &str, (before, after): (&Files, &Files), extent: Extent) -> Row {
     Row::of(
         format!("full disk: {fault}"),
@@ -87,7 +86,7 @@ fn limited(fault: &str, arguments: &str, (before, after): (&Files, &Files), exte
     )
 }
 
-/// All of the new files with status 0, or all of the old ones and a reason.
+/// Requires all of the new files with status 0, otherwise all of the old ones and a reason.
 fn judged(ran: &Ran, now: &Files, before: &Files, after: &Files) -> Came {
     if let Some(broke) = ran.broke() {
         return broke;
@@ -100,8 +99,8 @@ fn judged(ran: &Ran, now: &Files, before: &Files, after: &Files) -> Came {
     }
 }
 
-/// A campaign over an earlier one, whose summary and results are each old or new, and which is
-/// taken up again with more room.
+/// Runs a campaign in the folder of an earlier one: its summary and each of its results are old or
+/// new, and it is resumed with more space.
 fn campaign(extent: Extent) -> Row {
     let sheets = TempDir::new().unwrap();
     let campaign = |folder: &Path, velocities: [&str; 2]| {
@@ -150,7 +149,8 @@ fn campaign(extent: Extent) -> Row {
                 let is_one = [before, after]
                     .iter()
                     .any(|files| part(files, place) == now);
-                // a summary of its own: it names the tests that could not be written
+                // a summary that is neither old nor new, but names the tests that could not be
+                // written
                 let told = place.is_empty() && says_what_failed(&now);
                 if !(is_one || told) {
                     return Came::Lost(format!("results/{place} is of no campaign"));
@@ -165,7 +165,7 @@ fn campaign(extent: Extent) -> Row {
             }
             match ran.status {
                 Some(0) => Came::Right,
-                // quiet, but not with status 0
+                // without a message, but not with status 0
                 _ if blocks == 0 || !ran.err.is_empty() || ran.status == Some(2) => Came::Refused,
                 _ => Came::Lost("no reason".to_owned()),
             }
@@ -189,7 +189,7 @@ fn says_what_failed(summary: &Files) -> bool {
     failed > 0 && told == failed && text("index.html").trim_end().ends_with("</html>")
 }
 
-/// A disk of so many kilobytes, which needs the right to mount one.
+/// Runs a sheet on small disks; skipped without the permission to mount them.
 fn small_disk(before: &Files, after: &Files, extent: Extent) -> Row {
     let fault = "full disk: a small disk with an earlier result on it";
     let injected = "every 4 kB of free space up to the whole result";
@@ -200,7 +200,7 @@ fn small_disk(before: &Files, after: &Files, extent: Extent) -> Row {
         return Row::skipped(fault, injected, "no right to mount a disk");
     }
     let pages = |files: &Files| -> usize {
-        // a page for each file, and for each folder
+        // pages of 4 kB that the files occupy
         files.values().map(|bytes| bytes.len().div_ceil(4096)).sum()
     };
     let points: Vec<usize> = (0..=pages(after) + 4).collect();

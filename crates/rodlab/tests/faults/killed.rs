@@ -1,4 +1,4 @@
-//! Runs that are ended by force while they write, by chance and at every block.
+//! Runs that are killed while they write, at random times and at every block.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         |&blocks| {
             let folder = struck_mass::folder();
             put(&folder.path().join("out"), &earlier);
-            // the system ends who writes beyond the limit
+            // the system kills a process that writes beyond the limit
             let script = format!(
                 "ulimit -c 0; ulimit -f {blocks}; exec \"$0\" force hit.ron --quiet --out out"
             );
@@ -40,7 +40,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     ]
 }
 
-/// One file in place of an older one, in a folder of another origin: left-over files have
+/// Kills a conversion that replaces a file in a folder of other files: left-over files have
 /// recognisable names.
 fn conversion(extent: Extent) -> Row {
     let arguments = ["convert", "strains-1.npy", "new.npz", "--quiet", "--force"];
@@ -87,7 +87,7 @@ fn conversion(extent: Extent) -> Row {
     )
 }
 
-/// Judges a folder after the end of its run: its files are whole, and the next run makes all of
+/// Judges a folder after a run was killed: its files are complete, and the next run writes all of
 /// them.
 pub(crate) fn after_the_kill(ran: &Ran, folder: &Path, earlier: &Files, later: &Files) -> Came {
     if ran.signal.is_none() && ran.broke().is_some() {
@@ -116,7 +116,7 @@ pub(crate) fn after_the_kill(ran: &Ran, folder: &Path, earlier: &Files, later: &
     }
 }
 
-/// Numbers between 0 and 1 that are the same every time (SplitMix64).
+/// Reproducible random numbers between 0 and 1 (SplitMix64).
 fn numbers(mut seed: u64, count: usize) -> Vec<f64> {
     let next = || {
         seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -128,7 +128,7 @@ fn numbers(mut seed: u64, count: usize) -> Vec<f64> {
     std::iter::repeat_with(next).take(count).collect()
 }
 
-/// Ends `command` by force after `delay`, if it still runs.
+/// Kills `command` after `delay` if it still runs.
 fn killed_after(command: &mut std::process::Command, delay: Duration) -> Ran {
     let mut child = command
         .stdout(std::process::Stdio::null())
@@ -166,7 +166,7 @@ fn at_random(earlier: &Files, later: &Files, extent: Extent) -> Row {
     )
 }
 
-/// A campaign that is killed, taken up again and killed again, until it is done.
+/// Runs a campaign that is killed and resumed repeatedly until it is finished.
 fn campaign(extent: Extent) -> Row {
     let tests = |folder: &Path| {
         fs::create_dir(folder.join("tests")).unwrap();

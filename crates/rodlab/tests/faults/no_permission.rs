@@ -1,5 +1,5 @@
-//! Files and folders that the user of the program may not read or write. The administrator has all
-//! permissions: for this user the tests run as `nobody`.
+//! Files and folders that the user of the program may not read or write. Because the administrator
+//! has all permissions, the tests run as `nobody` if they are started by this user.
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -11,10 +11,11 @@ use super::program::{PROGRAM, run};
 use super::struck_mass;
 use super::tally::{Came, Extent, Row};
 
-/// A path that is given permissions, and the command that meets them.
+/// A path, its permissions, and the command that uses it.
 type Place = (&'static str, u32, &'static [&'static str]);
 
-/// Everything belongs to another user and may be read, except one path.
+/// Paths without permission and their commands; all other files belong to another user and may be
+/// read.
 const PLACES: [Place; 10] = [
     ("hit.ron", 0o000, &["force", "hit.ron", "--out", "out"]),
     ("hit.ron", 0o000, &["check", "hit.ron"]),
@@ -84,8 +85,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     rows
 }
 
-/// The words before the program that make it run as an ordinary user; none at all if it does by
-/// itself.
+/// Words before the program that run it as an ordinary user, empty if the tests are run by one;
+/// `None` if this is not possible.
 fn user() -> Option<Vec<&'static str>> {
     let probe = tempfile::NamedTempFile::new().unwrap();
     if fs::metadata(probe.path()).unwrap().uid() != 0 {
@@ -124,7 +125,7 @@ fn attempt((place, mode, arguments): &Place, user: &[&str]) -> Came {
         .current_dir(folder.path())
         .env("NO_COLOR", "1");
     let ran = run(&mut command);
-    // so that the folder can be removed
+    // the folder must be removable
     fs::set_permissions(&path, Permissions::from_mode(0o755)).unwrap();
     if let Some(broke) = ran.broke() {
         return broke;

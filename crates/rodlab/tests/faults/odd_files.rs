@@ -28,7 +28,7 @@ fn pipe(path: &Path) {
     assert!(made.success());
 }
 
-/// Name of something odd, and the function that puts it at a path.
+/// Name of an odd kind of file, and the function that creates it at a path.
 type Odd = (&'static str, fn(&Path));
 
 const ODD: [Odd; 8] = [
@@ -61,7 +61,7 @@ fn in_place_of_a_file(extent: Extent) -> Row {
     let points: Vec<_> = ODD
         .iter()
         .flat_map(|odd| commands.iter().map(move |command| (odd, *command)))
-        // a result may well go into a folder
+        // a folder is a valid place for a result
         .filter(|(odd, command)| !(odd.0 == "a folder" && command.contains(&"odd/out")))
         .collect();
     Row::of(
@@ -80,7 +80,7 @@ fn in_place_of_a_file(extent: Extent) -> Row {
                 return Came::Lost(format!("{name}, {arguments:?}: {:?}, {said}", ran.status));
             }
             let out = files_in(&folder.path().join("out"));
-            // whatever is wrong with one test, the other is done
+            // the other test is run, whatever is wrong with one of them
             let other =
                 arguments.contains(&"hit.ron") && arguments[0] == "batch" && *name != "a folder";
             if other && !out.keys().any(|name| name.ends_with("hit/result.json")) {
@@ -128,8 +128,8 @@ fn in_place_of_a_record(extent: Extent) -> Row {
                     return broke;
                 }
                 let named = ran.err.contains("strains-1.npy") || ran.err.contains("modulus.ron");
-                // a link to nothing may be seen as no file at all, or as one that cannot be read,
-                // but not passed over
+                // a dangling link may be reported as no file or as an unreadable file, but must not
+                // be ignored
                 if ran.status != Some(2) || !named {
                     return Came::Lost(format!("{name} {how}: {:?}, {}", ran.status, ran.err));
                 }
@@ -292,11 +292,11 @@ fn closed_output() -> Row {
             if let Some(broke) = ran.broke() {
                 return Came::Broke(format!("{arguments}: {broke:?}"));
             }
-            // the requested work is done nevertheless
+            // the result is written nevertheless
             let out = files_in(&folder.path().join("out"));
             let all = !arguments.contains("--out out")
                 || out.keys().any(|name| name.ends_with("result.json"));
-            // a closed pipe is no error, a full disk is one
+            // a closed pipe is not an error, a full disk is one
             let expected = if *full { 2 } else { *expected };
             if all && ran.status == Some(expected) {
                 Came::Right

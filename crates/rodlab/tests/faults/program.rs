@@ -1,4 +1,4 @@
-//! The program as a person runs it, ended if it does not end by itself.
+//! The program as a user runs it, killed if it does not end.
 
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
@@ -10,8 +10,8 @@ use super::tally::Came;
 
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_rodlab");
 
-/// A busy machine takes seconds for the longest of these runs; a run that takes this long is
-/// blocked.
+/// Time after which a run counts as blocked; on a busy machine the longest of these runs takes
+/// seconds.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Command {
@@ -21,7 +21,7 @@ pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// `script` of the shell, where `$0` is the program.
+/// Command that runs `script` in the shell, with the program as `$0`.
 pub(crate) fn shell(folder: &Path, script: &str) -> Command {
     let mut command = Command::new("sh");
     command.args(["-c", script, PROGRAM]);
@@ -34,7 +34,7 @@ fn at(command: &mut Command, folder: &Path) {
         .current_dir(folder)
         .env("NO_COLOR", "1")
         .env("RUST_BACKTRACE", "0")
-        // copies of a folder are of other times
+        // results have a fixed date, so that those of different runs are equal
         .env("SOURCE_DATE_EPOCH", "0")
         .stdin(Stdio::null());
 }
@@ -49,7 +49,7 @@ pub(crate) struct Ran {
 }
 
 impl Ran {
-    /// A panic, or an end that is none of the program's own.
+    /// Returns the defect if the program panicked or ended without one of its own statuses.
     pub(crate) fn broke(&self) -> Option<Came> {
         let known = matches!(self.status, Some(0..=3));
         (!known || self.err.contains("panicked")).then(|| {
@@ -62,7 +62,7 @@ impl Ran {
         })
     }
 
-    /// Requires a reason with status 1 or 2.
+    /// Judges a run that must end with status 1 or 2 and a reason.
     pub(crate) fn refused(&self) -> Came {
         if self.status == Some(0) {
             return Came::Lost("not refused".to_owned());

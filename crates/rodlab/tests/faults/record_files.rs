@@ -1,4 +1,4 @@
-//! A small recording in each of the formats, and where a cut leaves a whole file.
+//! A small recording in each format, and the places at which a cut leaves a complete file.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -21,7 +21,7 @@ pub(crate) struct RecordFile {
 
 const N_ROWS: usize = 48;
 
-/// Two channels whose numbers have all their digits.
+/// A row of two channels with numbers of 17 digits.
 fn sample(row: usize) -> [f64; 2] {
     let t = row as f64 / 3.0;
     [(t + 0.1).sin() * 3.7, (1.3 * t).cos() * 11.1]
@@ -71,7 +71,8 @@ fn universal(encoding: Encoding) -> Vec<u8> {
     })
 }
 
-/// One of each format; those that nothing here writes are of SciPy and npTDMS, or made by hand.
+/// One recording in each format; formats that `labio` does not write are from SciPy and npTDMS, or
+/// written by hand.
 pub(crate) fn all() -> Vec<RecordFile> {
     let file = |name, ending, bytes, is_whole_at| RecordFile {
         name,
@@ -125,7 +126,7 @@ pub(crate) fn all() -> Vec<RecordFile> {
     ]
 }
 
-/// The format has room for numbers alone: names and times are lost, and it is said so.
+/// The recording as NPY, which contains only numbers: names and times are lost.
 fn array() -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let [table_file, array] = ["hit.csv", "hit.npy"].map(|name| folder.path().join(name));
@@ -142,21 +143,22 @@ pub(crate) fn at_end_of_line(bytes: &[u8]) -> bool {
     bytes.ends_with(b"\n")
 }
 
-/// Behind the line that closes a data set, with or without its end or blanks of a next line, but
-/// not behind the line that opens the next. IEEE numbers have no end of line before it.
+/// True after the line that closes a data set, with or without the end of this line or blanks of
+/// the next line, but not after the line that opens the next data set. There is no end of line
+/// between IEEE numbers and the closing line.
 fn after_a_data_set(bytes: &[u8]) -> bool {
     let bytes = bytes.trim_ascii_end();
     bytes.ends_with(b"    -1") && !bytes.ends_with(b"    -1\n    -1") && bytes.len() > 6
 }
 
-/// Between the elements of a file: a tag of four and four bytes, and the number of bytes that it
-/// states.
+/// True between the elements of a file. An element is a tag of four and four bytes, followed by the
+/// number of bytes that the tag states.
 fn after_a_variable(bytes: &[u8]) -> bool {
     let mut at = 128;
     while let Some(tag) = bytes.get(at..at + 8) {
         let kind = u32::from_le_bytes(tag[..4].try_into().unwrap());
         let length = u32::from_le_bytes(tag[4..].try_into().unwrap()) as usize;
-        // all but compressed elements are filled up to eight bytes
+        // all elements except compressed ones are padded to multiples of eight bytes
         at += 8 + if kind == 15 {
             length
         } else {
@@ -166,7 +168,7 @@ fn after_a_variable(bytes: &[u8]) -> bool {
     at == bytes.len() && at > 128
 }
 
-/// Between segments, each of which states the position of the next.
+/// True between segments, each of which states the position of the next.
 fn after_a_segment(bytes: &[u8]) -> bool {
     let mut at = 0;
     while let Some(next) = bytes.get(at + 12..at + 20) {

@@ -17,8 +17,8 @@ pub(crate) fn sheet(velocity: &str) -> String {
     )
 }
 
-/// A folder with `hit.ron` for 2 m/s, `harder.ron` for 3 m/s and, with other files in its result,
-/// `modulus.ron` of the frame.
+/// A folder with `hit.ron` for 2 m/s, `harder.ron` for 3 m/s, and the example of the frame, whose
+/// result has other files.
 pub(crate) fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("hit.ron"), sheet("2 m/s")).unwrap();

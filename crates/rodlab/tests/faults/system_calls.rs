@@ -1,4 +1,4 @@
-//! Runs that are ended by force at each of the calls by which they change a folder; needs `strace`.
+//! Runs that are killed at each of the system calls by which they change a folder; needs `strace`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,7 +11,7 @@ use super::program::{PROGRAM, run};
 use super::struck_mass;
 use super::tally::{Came, Extent, Row};
 
-/// Calls that create, fill, lock, rename and remove files.
+/// System calls that create, fill, lock, rename and remove files.
 const CALLS: &str =
     "mkdir,mkdirat,openat,write,fsync,flock,unlink,unlinkat,rename,renameat,renameat2";
 
@@ -51,7 +51,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
                     command.args(["-e", &inject]);
                     let ran = run(with_program(&mut command));
                     if ran.status == Some(0) {
-                        // the count of calls before main is not always the same
+                        // the number of calls before `main` varies
                         return match after_the_kill(&ran, folder.path(), before, &later) {
                             Came::Stopped => Came::Stopped,
                             other => other,
@@ -77,7 +77,7 @@ fn with_program(command: &mut Command) -> &mut Command {
     command.args([PROGRAM, "force", "hit.ron", "--quiet", "--out", "out"])
 }
 
-/// Every call of a run, by its name and number.
+/// All these calls of a run, by name and number.
 fn calls(before: &Files) -> Vec<(String, usize)> {
     let folder = struck_mass::folder();
     put(&folder.path().join("out"), before);

@@ -12,20 +12,20 @@ use serde::{Deserialize, Serialize};
 /// Outcome of one point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Came {
-    /// Status 2, or 1, with a reason; the earlier files are complete.
+    /// Status 1 or 2 with a reason; the earlier files are complete.
     Refused,
-    /// The result is the one without the fault.
+    /// The result is the same as without the fault.
     Right,
-    /// There is a result, and it names the fault of its input.
+    /// There is a result that names the fault of its input.
     Said,
-    /// The input is whole in its format, and shorter.
+    /// The input is complete in its format, but shorter.
     Shorter,
     /// The fault ended the program; the existing files are complete, and the next run gives the
     /// right result.
     Stopped,
     /// Something is missing, mixed or wrong, and is not reported.
     Lost(String),
-    /// A panic, a status that does not exist, or no end.
+    /// The program panicked, ended with an unknown status, or did not end.
     Broke(String),
 }
 
@@ -45,11 +45,11 @@ pub(crate) struct Row {
     pub(crate) stopped: usize,
     pub(crate) lost: usize,
     pub(crate) broke: usize,
-    /// Reason for which nothing was tried.
+    /// Reason why no point was tried.
     pub(crate) skipped: Option<String>,
 }
 
-/// Number of points that are tried.
+/// Selection of the points that are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
     Few,
@@ -57,7 +57,7 @@ pub(crate) enum Extent {
 }
 
 impl Extent {
-    /// All if the environment requests them.
+    /// Selects all points if the environment variable `RODLAB_FAULTS` requests them.
     pub(crate) fn asked() -> Self {
         match std::env::var("RODLAB_FAULTS") {
             Ok(extent) if extent == "all" => Self::All,
@@ -66,7 +66,7 @@ impl Extent {
         }
     }
 
-    /// All of `points`, or `few` of them with the first and the last.
+    /// Returns all of `points`, or `few` of them including the first and the last.
     pub(crate) fn of<T: Clone>(self, points: &[T], few: usize) -> Vec<T> {
         if self == Self::All || points.len() <= few {
             return points.to_vec();
@@ -79,7 +79,7 @@ impl Extent {
 }
 
 impl Row {
-    /// Tries `points` side by side. Losses and defects are printed.
+    /// Tries `points` in parallel. Losses and defects are printed.
     pub(crate) fn of<T: Sync>(
         fault: impl Into<String>,
         injected: impl Into<String>,
@@ -128,7 +128,7 @@ impl Row {
     }
 }
 
-/// The counts of all groups of faults, as they are kept.
+/// The counts of all groups of faults, as kept in `docs/faults.ron`.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Campaign(BTreeMap<String, Vec<Row>>);
 
@@ -138,8 +138,8 @@ fn place() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/faults.ron")
 }
 
-/// Fails if anything was lost or broke, or if a fault is not among those that are kept; writes the
-/// counts if all points were tried.
+/// Fails if data were lost, a run broke, or a fault is not among the kept ones; writes the counts
+/// if all points were tried.
 pub(crate) fn compared(group: &str, rows: Vec<Row>) {
     for row in &rows {
         println!("{row:?}");

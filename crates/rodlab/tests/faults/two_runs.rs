@@ -32,8 +32,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     ]
 }
 
-/// Runs two sheets side by side; the second comes later by a part of the duration of the first, or
-/// sooner.
+/// Runs two sheets at the same time; the second starts later or earlier by a fraction of the
+/// duration of the first.
 fn runs(fault: &str, sheets: [(&'static str, &'static str); 2], extent: Extent) -> Row {
     let folder = struck_mass::folder();
     let mut durations = Vec::new();
@@ -50,7 +50,7 @@ fn runs(fault: &str, sheets: [(&'static str, &'static str); 2], extent: Extent) 
         &extent.of(&points, 3),
         |&part| {
             let folder = struck_mass::folder();
-            // that both write at the same time, whichever takes longer
+            // the starts differ so that both write at the same time, whichever takes longer
             let apart = durations[0].as_secs_f64() - durations[1].as_secs_f64();
             let apart = apart + f64::from(part) / 40.0 * durations[0].as_secs_f64();
             let wait = [(-apart).max(0.0), apart.max(0.0)].map(Duration::from_secs_f64);

@@ -1,4 +1,4 @@
-//! Measured sweeps, from the file to master curve and card.
+//! Measured sweeps, evaluated from the file to master curve and card.
 
 use rodlab::Outcome;
 use rodlab::outcome::Verdict;
@@ -7,8 +7,8 @@ use tempfile::TempDir;
 use super::{numbers, quantity, run};
 use crate::runs::Words;
 
-/// The outcome of a sheet whose files are in the folder of measured data; `None` where they are not
-/// at hand.
+/// The outcome of a sheet whose files are in the folder of measured data; `None` if they do not
+/// exist.
 fn measured(table: &str, rest: &str) -> Option<Outcome> {
     let dma = testbed::measured::folder()?.join("dma");
     if !dma.is_dir() {
@@ -27,8 +27,8 @@ fn measured(table: &str, rest: &str) -> Option<Outcome> {
 const PYVISCO: &str = r#"files: ["dma/pyvisco_freq_user_raw.csv"], frequency: "f", modulus: Parts(storage: "E_stor", loss: "E_loss"),
     temperature: Column("T")"#;
 
-/// log₁₀ a_T of pyvisco 2.1.3 at the steps from 25 to 100 °C: power laws through the storage
-/// modulus alone, neighbour by neighbour.
+/// log₁₀ a_T of pyvisco 2.1.3 at the steps from 25 to 100 °C, which fits power laws to the storage
+/// moduli of neighbouring temperatures.
 const BY_PYVISCO: [f64; 11] = [
     0.0, -1.756, -3.6162, -5.412, -6.736, -7.8214, -8.7681, -9.6169, -10.3781, -11.0608, -11.6559,
 ];
@@ -52,14 +52,14 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     );
     assert!(shifts.is_sorted_by(|a, b| a > b), "{shifts:?}");
 
-    // 1.5 % of |E| was found; the instrument's own error at 100 Hz is the largest part
+    // the residual is 1.5 % of |E|, mostly the error of the instrument at 100 Hz
     let residual = quantity(&outcome, "residual of the master curve")
         .value
         .unwrap();
     println!("residual {residual} % of |E|");
     assert!(residual < 1.7, "{residual}");
 
-    // in the transition, above 47 °C, storage and loss modulus shift alike
+    // in the transition, above 47 °C, storage and loss modulus have the same shifts
     let own = &shifts[10..];
     let mut differences = Vec::new();
     for step in 4..BY_PYVISCO.len() {
@@ -68,8 +68,8 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
         assert!(difference.abs() < 0.05, "{step}: {difference}");
     }
     println!("steps of log a beside those of pyvisco: {differences:?}");
-    // one WLF does not hold from the glass to the rubber: with equal errors it is at least nearer
-    // to the shifts
+    // WLF is not valid from the glass to the rubber; a fit with equal errors for all shifts is
+    // nearer to them
     let verdict = &quantity(&outcome, "WLF, C1").verdict;
     verdict.must_begin("the shifts differ from the law by more than their errors");
     let farthest = |row: usize| {
@@ -88,7 +88,7 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     card.must_say("*VISCOELASTIC, TIME=PRONY");
 }
 
-/// 22 files in ISO-8859-1 with an index as first column and a last line that is none.
+/// The data are 22 files in ISO-8859-1 with an index as first column and a last line without data.
 #[test]
 fn files_of_an_instrument_are_read_as_they_are() {
     let table = r#"files: ["dma/glassy-polymer/T*.txt"], frequency: "f", modulus: Parts(storage: "E'", loss: "E\""), temperature: Column("Ts")"#;

@@ -1,5 +1,5 @@
 //! Relaxation and creep in tables. The virtual material is a standard linear solid, whose responses
-//! to a ramp are elementary.
+//! to a ramp are known in closed form.
 
 use std::fs;
 
@@ -22,12 +22,13 @@ fn decay(time: f64, tau: f64) -> f64 {
     (tau / RAMP) * ((-start / tau).exp() - (-time / tau).exp())
 }
 
-/// E(t) held after the ramp; during it the stress over the final strain.
+/// Stress divided by the final strain, which is held after the ramp \[Pa\].
 fn relaxation(time: f64) -> f64 {
     RELAXED * (time / RAMP).min(1.0) + INCREMENT * decay(time, TIME)
 }
 
-/// J(t) likewise; the retardation time is τ (E₀ + ΔE)/E₀.
+/// Strain divided by the final stress, which is held after the ramp; the retardation time is τ
+/// (E₀ + ΔE)/E₀.
 fn creep(time: f64) -> f64 {
     let tau = TIME * (RELAXED + INCREMENT) / RELAXED;
     let retarded = 1.0 / RELAXED - 1.0 / (RELAXED + INCREMENT);
@@ -78,7 +79,7 @@ fn covers(outcome: &Outcome) {
         ("relaxation time", TIME),
     ] {
         let (lower, upper) = interval_of(outcome, "Zener", name);
-        // 95 % intervals, as wide again: one in 10 000 fails
+        // twice the 95 % interval, outside which one value in 10 000 lies
         let half = 0.5 * (upper - lower);
         let middle = 0.5 * (lower + upper);
         assert!(
@@ -103,7 +104,7 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
         let chi = numbers(&outcome, "laws", "chi-square")[0];
         let freedom = numbers(&outcome, "laws", "degrees of freedom")[0];
         assert!((chi / freedom - 1.0).abs() < 0.5, "{chi} {freedom}");
-        // nothing from the growth of the load, and no more rows than asked for
+        // rows during the ramp are left out, and there are no more rows than requested
         let times = numbers(&outcome, "data", "time");
         assert!(times.iter().all(|time| *time > RAMP), "{times:?}");
         assert!((60..=150).contains(&times.len()), "{}", times.len());
@@ -115,7 +116,7 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
         );
         assert_eq!(figures_of(&outcome), "over_time, laws_over_time");
     }
-    // half as many rows of each: half of the information of each alone
+    // the joint fit uses half of the rows of each test, and thus half of the information
     let information = |width: &f64| 0.5 / (width * width);
     let of_both = (information(&widths[0]) + information(&widths[1]))
         .sqrt()
@@ -126,7 +127,7 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
     );
 }
 
-/// A ramp that is not stated is a wrong law: chi-square shows this, and puts the answer and the
+/// If the ramp is not stated, chi-square shows that no law fits, and puts the answer and the
 /// material file in doubt.
 #[test]
 fn a_ramp_that_is_forgotten_is_seen() {
@@ -159,7 +160,7 @@ fn times_are_chosen_and_without_errors_the_scatter_gives_them() {
     );
 }
 
-/// A DMA beside a relaxation test of the same temperature: rows of both kinds in one fit.
+/// A DMA and a relaxation test at the same temperature are fitted together.
 #[test]
 fn moduli_over_frequency_stand_beside_those_over_time() {
     let folder = folder();
@@ -199,8 +200,8 @@ fn a_modulus_that_rises_with_time_is_in_doubt() {
     said.must_say("the modulus rises with time in 1 test(s), first at 23 \u{b0}C");
 }
 
-/// A ratio of 0.1 in the middle of a decade and a half of modulus, with a bulk that does not relax,
-/// makes no solid at the ends: the laws are fitted nevertheless.
+/// A Poisson's ratio of 0.1 in the middle of a decade and a half of modulus, with a constant bulk
+/// modulus, is impossible at the ends: there is no card, but the laws are fitted nevertheless.
 #[test]
 fn a_card_that_cannot_be_costs_no_other_result() {
     let folder = TempDir::new().unwrap();
@@ -218,7 +219,8 @@ fn a_card_that_cannot_be_costs_no_other_result() {
     assert_eq!(attachments_of(&outcome), "material.json");
 }
 
-/// Draws of the rows are fitted as the rows were: their scatter is the stated error.
+/// Monte Carlo draws of the rows are fitted like the rows: the scatter of the results equals the
+/// stated errors.
 #[test]
 fn draws_of_moduli_over_time_scatter_by_the_stated_errors() {
     let folder = folder();
@@ -231,7 +233,7 @@ fn draws_of_moduli_over_time_scatter_by_the_stated_errors() {
     for name in ["relaxed modulus", "modulus increment", "relaxation time"] {
         let row = names.iter().position(|own| own.contains(name)).unwrap();
         let ratio = of("Monte Carlo standard error")[row] / of("standard error")[row];
-        // 60 draws: their standard deviation is known to 9 %
+        // the standard deviation of 60 draws is known to 9 %
         assert!((ratio - 1.0).abs() < 0.3, "{name}: {ratio}");
     }
 }

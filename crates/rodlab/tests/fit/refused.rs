@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use super::run;
 use crate::runs::{Words, with_causes};
 
-/// Three frequencies at two temperatures.
+/// A table with three frequencies at two temperatures.
 const TABLE: &str = "f,E',E'',T,Set\nHz,MPa,MPa,degC,-\n1,1000,100,20,0\n10,1100,110,20.1,0\n100,1200,120,20.2,0\n1,900,100,30,1\n10,1000,110,30,1\n100,1100,120,30,1\n";
 const SHEET: &str = r#"Fit(
     title: "wrong",
@@ -93,8 +93,7 @@ fn wrong_sheets_are_refused_where_they_are_wrong() {
     insta::assert_snapshot!(all.join("\n"));
 }
 
-/// A table whose last line is none is read, and that is said; the same line between others is
-/// refused.
+/// A last line without data is left out with a warning; the same line between others is refused.
 #[test]
 fn a_last_line_that_is_none_is_left_out_and_said() {
     let folder = TempDir::new().unwrap();
@@ -119,7 +118,7 @@ fn a_last_line_that_is_none_is_left_out_and_said() {
     );
 }
 
-/// Relaxation at one temperature.
+/// A table of a relaxation test at one temperature.
 const OVER_TIME: &str = "t,E,f\ns,MPa,Hz\n-1,0,1\n0,0,2\n1,1000,3\n2,900,4\n3,850,5\n4,820,6\n";
 const HELD: &str = r#"Fit(title: "wrong", tables: [(files: ["t.csv"], time: "t", modulus: Relaxation(modulus: "E"), temperature: Stated("20 degC"))])"#;
 
@@ -177,8 +176,8 @@ fn wrong_tests_over_time_are_refused() {
     insta::assert_snapshot!(all.join("\n"));
 }
 
-/// Three readings at each frequency: their mean is fitted, and a scatter of many of the stated errors
-/// puts it in doubt.
+/// Of three values at each frequency the mean is fitted; a scatter of many stated errors puts the
+/// result in doubt.
 #[test]
 fn repeated_readings_are_averaged_and_compared_with_their_errors() {
     let sheet = SHEET.replace(
@@ -204,7 +203,7 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
     }
 }
 
-/// Two copies of each reading are one reading.
+/// Two copies of each row count as one row.
 #[test]
 fn rows_that_are_stored_twice_count_once() {
     let folder = TempDir::new().unwrap();

@@ -1,5 +1,5 @@
-//! A virtual sweep: a fractional Zener model that shifts with temperature, by formulas of its own,
-//! with noise of magnitude and phase.
+//! A virtual sweep of a fractional Zener model that shifts with temperature, with noise of
+//! magnitude and phase; its formulas are independent of the program.
 
 use std::f64::consts::{LN_10, PI, TAU};
 use std::fmt::Write as _;
@@ -42,7 +42,7 @@ impl Temperatures {
     }
 }
 
-/// Columns of a file.
+/// Layout of the columns of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
     /// `E'` and `tan δ` with their errors.
@@ -54,14 +54,14 @@ pub(super) enum Layout {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sweep {
     pub(super) temperatures: Temperatures,
-    /// Frequencies of a decade, from 0.1 to 100 Hz.
+    /// Number of frequencies per decade, from 0.1 to 100 Hz.
     pub(super) per_decade: i32,
-    /// Arrhenius instead of WLF [J/mol].
+    /// Activation energy of Arrhenius shifts [J/mol]; `None` for WLF.
     pub(super) activation_energy: Option<f64>,
     pub(super) exponent_per_kelvin: f64,
     /// True if all moduli are proportional to T/T_r.
     pub(super) is_entropic: bool,
-    /// Error of the phase \[rad\].
+    /// Standard deviation of the phase \[rad\].
     pub(super) phase_noise: f64,
 }
 
@@ -130,12 +130,12 @@ impl Sweep {
         rows
     }
 
-    /// A table in MPa, all temperatures of a frequency together, so that no column is in order.
+    /// Writes a table in MPa, sorted by falling frequency, then by temperature.
     pub(super) fn write(&self, path: &Path, seed: u64) {
         fs::write(path, self.table(seed)).unwrap();
     }
 
-    /// The text of [`Sweep::write`], without the last digits, which differ between processors.
+    /// Text of the table, without the last digits, which differ between processors.
     pub(super) fn table(&self, seed: u64) -> String {
         let mut rows = self.rows(seed);
         rows.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -147,7 +147,7 @@ impl Sweep {
         text
     }
 
-    /// The same data in other columns and units, with decimal commas.
+    /// Writes the same data with other columns and units and with decimal commas.
     pub(super) fn write_as(&self, path: &Path, seed: u64, layout: Layout) {
         let mut text = match layout {
             Layout::LossFactor => "T;omega;E';tan delta;u E';u tan\n;rad/s;GPa;-;kPa;-\n",
