@@ -38,19 +38,19 @@ fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
     let force = column(&outcome, "force", "force");
     let errors = column(&outcome, "force", "standard error of the force");
     for ((t, f), error) in time.iter().zip(force).zip(errors) {
-        // of second order in the exponent of a step, Z h/M = 4e-3: 1.6e-5 times a number below 1
+        // the error is of second order in Z h/M = 4e-3, the exponent of a step: at most 1.6e-5
         let exact = impedance * velocity * (-impedance / mass * t).exp();
         assert!((f / exact - 1.0).abs() < 1.6e-5, "{t}: {f}, exact {exact}");
-        // the force is proportional to the velocity, whose error 200 draws give to 5 %
+        // the force is proportional to the velocity; 200 draws determine its error to 5 %
         assert!((error / (0.01 * f) - 1.0).abs() < 0.15, "{t}: {error}");
     }
-    // the mass has lost exp(-8) of its momentum less: 3.4e-4
+    // the mass still has a fraction exp(-8) = 3.4e-4 of its momentum
     assert!(
         (value(&outcome, "impulse") / (mass * velocity * (1.0 - (-8.0_f64).exp())) - 1.0).abs()
             < 1e-6
     );
     assert!((error(&outcome, "impulse") / value(&outcome, "impulse") - 0.01).abs() < 0.0015);
-    // the faces still touch: later values are not valid
+    // the faces are still in contact, so that values after the contact are not valid
     let restitution = quantity(&outcome, "coefficient of restitution");
     assert!(!restitution.valid, "{restitution:?}");
     assert_eq!(
@@ -75,13 +75,14 @@ fn lines_do_not_halve_the_error_of_a_jump() {
     let relative = error(&outcome, "peak force") / value(&outcome, "peak force");
     assert!((0.0085..0.0115).contains(&relative), "{relative}");
     let stick = "peak of the stick force on lines";
-    // the peak lies between samples, the error at the nearest of them
+    // the peak is interpolated between samples; its error is that of the nearest sample
     assert!((error(&outcome, stick) / value(&outcome, stick) - 0.01).abs() < 1e-4);
 }
 
 #[test]
 fn equal_rods_exchange_their_velocities() {
-    // de Saint-Venant: Z V/2 for one round trip, 2 L/c, and the striker stops
+    // de Saint-Venant's solution: the force is Z V/2 for one round trip, 2 L/c, and the striker
+    // stops
     let outcome = attempt(
         r#"Force(
             title: "equal rods",
@@ -112,8 +113,8 @@ fn equal_rods_exchange_their_velocities() {
             "{t}: {f}, expected {plateau}"
         );
     }
-    // jumps smear over a step of 0.15 µs in 0.2 ms; the step of the jump itself is off by a
-    // fraction of a percent
+    // jumps are spread over a time step of 0.15 µs, in 0.2 ms; in the step of the jump itself the
+    // force is off by a fraction of a per cent
     assert!((value(&outcome, "peak force") / plateau - 1.0).abs() < 1e-2);
     assert!(
         (value(&outcome, "end of the last contact") / (2e3 * 0.5 / celerity * 1.0) - 1.0).abs()
@@ -122,7 +123,7 @@ fn equal_rods_exchange_their_velocities() {
     assert!((value(&outcome, "coefficient of restitution") - 1.0).abs() < 2e-3);
     assert!(value(&outcome, "velocity of the first body after").abs() < 6e-3);
     assert!((value(&outcome, "velocity of the second body after") - 3.0).abs() < 6e-3);
-    // no uncertainty was stated, and that is said
+    // a warning states that no uncertainty was stated
     outcome.warnings.must_say("No uncertainty of the velocity");
 }
 
@@ -160,7 +161,7 @@ fn r07_the_peak_is_one_number_whatever_the_step_and_the_record() {
         let allowed = value(&outcome, numerical) + value(&reference, numerical);
         assert!(away <= allowed, "{duration} {step}: {away}, {allowed}");
         assert!(allowed < 3e-3 * peak, "{allowed}");
-        // no number under the plain name depends on the step either
+        // the quantity without the words `in the band` does not depend on the step either
         let plain = value(&outcome, "peak force");
         assert!((plain - peak).abs() <= allowed, "{plain} {peak}");
     }
@@ -192,7 +193,7 @@ fn r06_the_error_is_that_of_the_curve_and_follows_every_stated_uncertainty() {
     let long = attempt(&sheet("", " ± 2 %", "")).unwrap();
     assert!((relative(&long, "impulse") / 0.02 - 1.0).abs() < 0.2);
     assert!(relative(&long, "peak force in the band") < 2e-3);
-    // through a contact that gives way they do not vanish
+    // with a contact spring, too, the uncertainty of the modulus has an effect
     let spring = r#"contact: Linear("200 MN/m")"#;
     let stiff = attempt(&sheet("", "", spring)).unwrap();
     let through = attempt(&sheet(" ± 4 %", "", spring)).unwrap();
@@ -200,7 +201,7 @@ fn r06_the_error_is_that_of_the_curve_and_follows_every_stated_uncertainty() {
         relative(&through, "peak force in the band")
             > 5.0 * relative(&stiff, "peak force in the band")
     );
-    // without any ± there is no error at all
+    // without any stated uncertainty no quantity has an error
     let none = sheet("", "", "").replace(" ± 0.1 %", "");
     let none = attempt(&none).unwrap();
     assert!(none.quantities.iter().all(|q| q.standard_error.is_none()));
@@ -247,7 +248,8 @@ fn what_cannot_be_is_refused_where_it_stands() {
     "#);
 }
 
-/// A wave of 6 kHz in a polymer rod is 0.24 m long: 2.4 diameters of the one rod, twelve of the other.
+/// A wave of 6 kHz in a polymer rod is 0.24 m long, 2.4 diameters of one rod and twelve diameters
+/// of the other.
 #[test]
 fn waves_too_short_for_a_rod_are_named() {
     let warnings = |diameter: &str| {

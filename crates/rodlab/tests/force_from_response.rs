@@ -1,5 +1,5 @@
-//! Forces from the acceleration of the struck one of two masses, which is integrated in time; the
-//! path is known in closed form or by calibration hits.
+//! Forces from the acceleration of one of two masses, which is struck; the virtual records are
+//! integrated in time. The path is given in closed form or by calibration hits.
 
 use crate::two_masses;
 
@@ -30,7 +30,7 @@ fn accelerance(folder: &Path, body: Body) {
     write_lines(&folder.join("accelerance.csv"), 0, value);
 }
 
-/// Writes a response at the lines of a record, from a line on.
+/// Writes a response at the frequency lines of a record, starting at line `from`.
 fn write_lines(path: &Path, from: usize, value: impl Fn(f64) -> Complex64) {
     let mut text = "frequency [Hz],real part [1/kg],imaginary part [1/kg]\n".to_owned();
     for line in from..=SAMPLES / 2 {
@@ -60,7 +60,7 @@ fn sheet(path: &str, rest: &str) -> String {
     format!(r#"Force(title: "blow", problem: Response(path: {path}, {RECORD}, {rest}))"#)
 }
 
-/// A blow of 300 N that is not among the hits.
+/// A hit of 300 N that is not among the calibration hits.
 const BLOW: Hammer = Hammer {
     hits: 1,
     peak: 300.0,
@@ -87,31 +87,32 @@ fn a_force_comes_back_within_its_band() {
         away < 4.0 * error + bias.value.unwrap().abs(),
         "{peak:?} {bias:?}"
     );
-    // 2 m/s2 on a mass of 1 kg: some newtons
+    // noise of 2 m/s2 on a mass of 1 kg is an error of some newtons
     assert!((0.2..5.0).contains(&error), "{error}");
     let held = quantity(
         &outcome,
         "part of the measured force inside the band of the whole history",
     );
-    // where the force begins and ends the band without tension has no width, and the measured force
-    // has its noise of 0.01 N
+    // at the begin and end of the force, the band without tension has no width, and the measured
+    // force has noise of 0.01 N
     let difference = quantity(
         &outcome,
         "root mean square difference from the measured force",
     );
     assert!(difference.value.unwrap() < 3.0, "{difference:?} {held:?}");
-    // the raised cosine has half its peak in the mean
+    // the mean of a raised cosine is half its peak
     let impulse = quantity(&outcome, "impulse");
     let away = (impulse.value.unwrap() - 0.5 * 300.0 * 0.3e-3).abs();
     assert!(away < 4.0 * impulse.standard_error.unwrap(), "{impulse:?}");
     let chi = quantity(&outcome, "weighted residual per degree of freedom");
-    // 2000 samples give it to 3 %, 179 at rest give the noise to 5 % and its square to 10 %
+    // 2000 samples determine it to 3 %; 179 samples at rest determine the noise to 5 % and its
+    // square to 10 %
     assert!((chi.value.unwrap() - 1.0).abs() < 0.35, "{chi:?}");
     let noise = quantity(&outcome, "noise of the response").value.unwrap();
     assert!((noise / 2.0 - 1.0).abs() < 0.2, "{noise}");
     assert_eq!(figures_of(&outcome), "force, path, regularisation");
     assert_eq!(outcome.warnings, Vec::<String>::new());
-    // a band that holds no less than the pointwise one, and the same bytes again
+    // a second run gives the same bytes
     assert_eq!(
         json(&outcome),
         json(&attempt(folder.path(), &text).unwrap())
@@ -132,12 +133,12 @@ fn without_regularisation_the_band_of_the_whole_history_holds_the_force() {
     let upper = column(&outcome, "force", "band of the whole history, upper");
     let mut squares = Vec::new();
     for n in 195..=235 {
-        // 0.01 N of noise on the measured force is nothing beside 2 N
+        // the noise of 0.01 N on the measured force is negligible compared with 2 N
         assert!(lower[n] <= measured[n] && measured[n] <= upper[n], "{n}");
         squares.push(((force[n] - measured[n]) / errors[n]).powi(2));
     }
     let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-    // 41 samples, correlated: the mean square of unit errors is known to a third or so
+    // from 41 correlated samples the mean square of unit errors is known to about a third
     assert!((0.4..2.0).contains(&mean), "{mean}");
 }
 
@@ -159,9 +160,9 @@ fn calibration_hits_tell_path_and_scatter() {
         "{peak:?} {bias:?}"
     );
     let scatter = quantity(&outcome, "scatter between hits with the force");
-    // the hits differ by noise alone: a few percent at most
+    // the hits differ by noise only, at most a few per cent
     assert!((0.0..5.0).contains(&scatter.value.unwrap()), "{scatter:?}");
-    // below 20 Hz and above 5 kHz: outside the band, as the log states
+    // the log lists the lines below 20 Hz and above 5 kHz as outside the band
     let reasons: Vec<&str> = outcome
         .log
         .iter()
@@ -177,7 +178,7 @@ fn what_contradicts_the_noise_is_said() {
     let folder = TempDir::new().unwrap();
     accelerance(folder.path(), BODY);
     strike(folder.path(), "blow", BODY, BLOW);
-    // noise underrated by a factor of four
+    // the stated noise is a quarter of the true noise
     let text = sheet(
         FILE,
         &format!(r#"{TIKHONOV}, {ACTING}, noise: White("0.5 m/s2")"#),
@@ -185,7 +186,7 @@ fn what_contradicts_the_noise_is_said() {
     let outcome = attempt(folder.path(), &text).unwrap();
     let reasons = doubts(&outcome);
     reasons[0].must_say("the noise is underestimated");
-    // another body
+    // // the frequency response is that of another body
     accelerance(
         folder.path(),
         Body {
@@ -221,7 +222,7 @@ fn noise_alone_is_no_force() {
         }
     );
     assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
-    // without requested checks, the peak and the discrepancy show it
+    // if no checks are requested, warnings about the peak and the discrepancy show the same faults
     let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
     let outcome = attempt(folder.path(), &text).unwrap();
     let told = |words: &str| outcome.warnings.iter().any(|w| w.contains(words));
@@ -302,9 +303,9 @@ fn what_cannot_be_is_refused_where_it_stands() {
     ");
 }
 
-/// Five measured hits: the force of each by its response and the other four, inside its band. Four
-/// peaks come back within 0.4 % and that of the hardest within 0.8 %, the histories within 0.33 % of
-/// them, root mean square.
+/// Five measured hits: the force of each is reconstructed from its response and the other four, and
+/// lies inside its band. Four peaks are found within 0.4 % and that of the hardest hit within
+/// 0.8 %; the root mean square difference of the histories is at most 0.33 % of the peak.
 #[test]
 fn a_measured_blow_comes_back_from_the_other_hits() {
     let Some(hammer) = measured::folder().map(|data| data.join("hammer")) else {
@@ -336,7 +337,7 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
         let largest = measured.interpolated_peak().force;
         let peak = quantity(&outcome, "peak force");
         let away = (peak.value.unwrap() - largest).abs();
-        // the error is that between blows, four of them: 99 % of Student's t
+        // the error is the scatter between four hits: the limit is the 99 % quantile of Student's t
         assert!(away < 5.8 * peak.standard_error.unwrap(), "{left_out}");
         let difference = "root mean square difference from the measured force";
         let difference = quantity(&outcome, difference).value.unwrap();
@@ -347,8 +348,8 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
     }
 }
 
-/// A path of a body whose frequency is 2 % lower, at default settings: the force is near, and the
-/// response is not explained by it.
+/// The path is that of a body with a 2 % lower frequency, and all settings are default: the force
+/// is nearly right, but does not reproduce the response.
 #[test]
 fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     let folder = TempDir::new().unwrap();
@@ -372,8 +373,8 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     reasons[0].must_say("the frequency response belongs to another body");
 }
 
-/// Eight hits and a blow with 0.3 % of noise, answered in a band from 20 Hz: peak and impulse are
-/// within their errors, and these are small.
+/// Eight calibration hits and a hit with 0.3 % of noise, evaluated in a band from 20 Hz: peak and
+/// impulse are within their errors, which are small.
 #[test]
 fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
     let noise = 0.9;
@@ -402,7 +403,7 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
         );
         let text = sheet(HITS, r#"band: (from: "20 Hz", to: "5 kHz")"#);
         let outcome = answered(attempt(folder.path(), &text));
-        // the top of the cosine is at 4.15 ms, 0.48 samples after the nearest
+        // the maximum of the cosine is at 4.15 ms, 0.48 samples after the nearest sample
         let beside = 4.15e-3 - (4.15e-3 * RATE).round() / RATE;
         let highest = 300.0 * (PI * beside / 0.3e-3).cos().powi(2);
         for (name, right, all) in [
@@ -415,14 +416,14 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
             all.push(((found.value.unwrap() - right) / error).abs());
         }
     }
-    // four values each: above 3.5 once in 500
+    // four values each: one of them exceeds 3.5 once in 500 times
     assert!(
         peaks.iter().chain(&impulses).all(|z| *z < 3.5),
         "{peaks:?} {impulses:?}"
     );
 }
 
-/// The recorder of the blow is at full scale at 60 % of the peak.
+/// The record of the hit is clipped at 60 % of the peak.
 #[test]
 fn a_clipped_blow_is_in_doubt() {
     let folder = TempDir::new().unwrap();
@@ -469,8 +470,8 @@ fn a_band_that_ends_below_the_content_of_the_blow_is_named() {
 const TWO: &str = r#"record: (files: ["blow1.csv"], channels: [(name: "face", from: "acceleration"), (name: "tail", from: "behind"), (name: "hammer", from: "force")]),
     response: "face", compare_with: "hammer""#;
 
-/// Division by two responses: the first has no information on the force at the antiresonance of the
-/// struck mass, 1424 Hz; that of the mass behind has.
+/// The force is determined from two responses: at 1424 Hz, the antiresonance of the struck mass,
+/// its response contains no information on the force, but that of the other mass does.
 #[test]
 fn two_responses_tell_what_one_does_not() {
     let folder = TempDir::new().unwrap();
@@ -508,14 +509,14 @@ fn two_responses_tell_what_one_does_not() {
     };
     let (one, one_square) = worst(&by("").unwrap());
     let (two, two_square) = worst(&by(&both).unwrap());
-    // a line at 1425 Hz: |H| is 0.02 of that of the mass, and a hundred lines share its noise
+    // at the line at 1425 Hz, |H| is 0.02 of that of the mass alone
     assert!(two < 0.5 * one, "{two} and {one}");
-    // of 118 lines, 236 numbers: the mean square is known to 9 %
+    // the mean square of 236 numbers, from 118 lines, is known to 9 %
     assert!(
         (one_square - 1.0).abs() < 0.4 && (two_square - 1.0).abs() < 0.4,
         "{one_square} {two_square}"
     );
-    // weights need a noise, a path of a file its own file
+    // weights need the noise, and a path from a file needs a file for each response
     for (wrong, expected) in [
         (
             both.replace(r#", noise: White("2 m/s2")"#, ""),
@@ -537,7 +538,8 @@ fn two_responses_tell_what_one_does_not() {
     }
 }
 
-/// The same by hits, of which each is found again from the others by both responses.
+/// Two responses with calibration hits: each hit is reconstructed from the others and both
+/// responses.
 #[test]
 fn two_responses_are_calibrated_by_the_same_hits() {
     let folder = TempDir::new().unwrap();
@@ -561,7 +563,7 @@ fn two_responses_are_calibrated_by_the_same_hits() {
         assert!(away < 4.0 * peak.standard_error.unwrap(), "{peak:?}");
     }
     let error = |outcome| quantity(outcome, "impulse").standard_error.unwrap();
-    // below the resonance both masses move alike: the impulse by two sensors for one
+    // below the resonance both masses move alike, so that the impulse is the mean of two sensors
     assert!(
         (error(&two) / error(&one) * 2.0_f64.sqrt() - 1.0).abs() < 0.2,
         "{} {}",

@@ -17,7 +17,7 @@ use crate::runs::{Refused, Words, answered, figures_of, tables_of};
 const VELOCITY: f64 = 2.0;
 const IMPEDANCE: f64 = 1000.0;
 
-/// Puts `body.uff` into the folder: the mobility by eight hits, lines up to 6 kHz.
+/// Writes `body.uff` to the folder: the mobility from eight hits, with lines up to 6 kHz.
 fn measure(folder: &Path) -> Outcome {
     let hammer = Hammer {
         pulse: 0.2e-3,
@@ -37,12 +37,12 @@ fn measure(folder: &Path) -> Outcome {
     outcome
 }
 
-/// The two masses with [`VELOCITY`] against a long rod, as long as they press: force at steps of 1
-/// µs, by the classical Runge-Kutta method.
+/// Force at steps of 1 µs between the two masses, moving with [`VELOCITY`], and a long rod while
+/// they are in contact, by the classical Runge-Kutta method.
 fn truth(duration: f64) -> Vec<f64> {
     let step = 1e-6;
     let rate = |_, state: [f64; 3]| {
-        // elongation of the spring, velocity of the struck and of the other mass
+        // elongation of the spring, velocities of the struck mass and of the other mass
         let [stretch, face, other] = state;
         let pull = BODY.stiffness * stretch + BODY.damping * (face - other);
         [
@@ -70,7 +70,7 @@ fn sheet(first: &str, rest: &str) -> String {
 const FIRST: &str =
     r#"file: "body.uff", support: Free(mass: "1.5 kg ± 1 gram"), scale_uncertainty: "1 %""#;
 
-/// The face is a mass, which does not move at once.
+/// Front impedance of a face that is a rigid mass, whose velocity does not jump.
 const FRONT: &str = r#", front_impedance: "1e9 kg/s""#;
 
 #[test]
@@ -101,12 +101,12 @@ fn a_measured_body_presses_as_the_body_itself() {
     let outcome = answered(attempt(folder.path(), &text));
     let exact = truth(5e-3);
     let at = |time: f64| exact[(time * 1e6).round() as usize];
-    // the two masses keep pressing: velocity and force fall with 1.5 ms and ring at 1.7 kHz
+    // the two masses stay in contact: velocity and force decay with 1.5 ms and ring at 1.7 kHz
     let time = column(&outcome, "force", "time");
     let force = column(&outcome, "force", "force");
     for (t, f) in time.iter().zip(force) {
-        // the band ends at 6 kHz: the jump of 2 kN at the begin rings; the remainder after 0.5 ms
-        // is 2 kN/(2 pi 6 kHz 0.5 ms) = 5 %
+        // because the band ends at 6 kHz, the initial jump of 2 kN rings; after 0.5 ms the
+        // remainder is 1/(2 pi 6 kHz 0.5 ms) = 5 % of it
         if *t > 0.5e-3 && *t < 4.9e-3 {
             assert!(
                 (f - at(*t)).abs() < 0.03 * 2e3,
@@ -115,7 +115,7 @@ fn a_measured_body_presses_as_the_body_itself() {
             );
         }
     }
-    // the stick force on lines with its errors
+    // the stick force, computed on frequency lines, with its errors
     let time = column(&outcome, "stick_force", "time");
     let force = column(&outcome, "stick_force", "stick force");
     let errors = column(&outcome, "stick_force", "standard error");
@@ -125,14 +125,14 @@ fn a_measured_body_presses_as_the_body_itself() {
     let mut n_all = 0;
     for n in 0..time.len() {
         if time[n] > 0.5e-3 && time[n] < 4.9e-3 {
-            // a common error of 1 % of the scale and of 0.5 % of the velocity is in every error
+            // every error contains the common errors of the scale, 1 %, and of the velocity, 0.5 %
             assert!(errors[n] > 0.0 && lower[n] < force[n] && force[n] < upper[n]);
             n_all += 1;
             n_inside += usize::from(lower[n] <= at(time[n]) && at(time[n]) <= upper[n]);
         }
     }
-    // ringing of the band limit is no random error: within the wide band of a scale of 1 % the most
-    // part is covered
+    // the ringing due to the band limit is not a random error, but the wide band due to a scale
+    // error of 1 % covers most of it
     assert!(n_inside * 10 > n_all * 7, "{n_inside} of {n_all}");
     let peak = quantity(&outcome, "peak of the stick force on lines");
     assert!(
@@ -155,8 +155,8 @@ fn a_measured_body_presses_as_the_body_itself() {
     );
 }
 
-/// Projected on causal and passive bodies the measured one presses as before, and it is said by how
-/// much its lines have moved.
+/// The measured body is projected on causal and on passive bodies: the force is nearly unchanged,
+/// and the change of the lines is reported.
 #[test]
 fn a_projection_says_what_it_has_changed() {
     let folder = TempDir::new().unwrap();
@@ -177,7 +177,7 @@ fn a_projection_says_what_it_has_changed() {
         let (outcome, after) = peak(projection);
         let name = format!("problem.first: change to the nearest {onto} body, in standard errors");
         let change = quantity(&outcome, &name);
-        // lines that are almost exact move by many of their errors, where the band ends
+        // at the end of the band, lines that are almost exact change by many of their errors
         let moved = change.value.unwrap();
         assert!(
             change.valid && moved < 15.0 && (onto == "passive" || moved > 1.0),
@@ -197,7 +197,8 @@ fn more_error_of_the_scale_is_more_error_of_the_force() {
     let error_of = |scale: &str| {
         let first = FIRST.replace("1 %", scale);
         let outcome = attempt(folder.path(), &sheet(&first, "uncertainty: (draws: 60)")).unwrap();
-        // the face is a mass: the initial jump is Z V whatever its scale, the later force is not
+        // the face is a mass: the initial jump is Z V for any scale, but the later force depends on
+        // the scale
         let errors = column(&outcome, "stick_force", "standard error");
         let later = column(&outcome, "stick_force", "time")
             .iter()
@@ -240,14 +241,15 @@ fn what_cannot_be_is_refused_where_it_stands() {
     ");
 }
 
-/// A rod of a lossy material whose two faces were measured, with the delay and the scale of a rig
-/// stated, behind a computed rod and before a dashpot: the force is that on the rods in one piece.
+/// A rod of a lossy material, with mobilities measured at both faces and a stated delay and scale
+/// of the rig, is joined to a computed rod in front and a dashpot behind: the force is that on one
+/// rod of both lengths.
 #[test]
 fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
     use num_complex::Complex64;
     let folder = TempDir::new().unwrap();
     let (step, modulus, density, area) = (20.0, 3e9, 1150.0, 3.1416e-4);
-    // a Zener rod of 0.15 m: coth and 1/sinh of its way
+    // mobilities of a Zener rod of 0.15 m, proportional to coth and 1/sinh of gamma L
     let entry = |of_ways: fn(Complex64) -> Complex64| {
         let mut text = String::from(
             "frequency [Hz],real part [m/(N s)],imaginary part [m/(N s)],error [m/(N s)]\n",
@@ -308,7 +310,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
     for (a, b) in ours.iter().zip(theirs) {
         assert!((a - b).abs() < 2e-3 * peak, "{a}, in one piece {b}");
     }
-    // the scale of the bit alone, behind a rod that is known: less than 1 % of the force
+    // only the scale of the bit is uncertain, and the rod in front of it is known: the error is
+    // less than 1 % of the force
     let error = quantity(&found, "peak force in the band")
         .standard_error
         .unwrap();
@@ -316,7 +319,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
         error > 1e-5 * peak && error < 5e-3 * peak,
         "{error} of {peak}"
     );
-    // struck at the edge as well: the same by reciprocity, or in doubt
+    // if the mobility is measured in the other direction, too, it must be equal by reciprocity;
+    // otherwise the result is in doubt
     let backward = format!(r#"(between: ("edge", "shank"), {})"#, response("across"));
     fs::write(folder.path().join("louder.csv"), entry(|x| 1.05 / x.sinh())).unwrap();
     for (file, difference, verdict) in [("across", 0.0, true), ("louder", 0.0488, false)] {
@@ -338,7 +342,7 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
             "{compared:?}"
         );
     }
-    // twice one way between the points, or none, is refused at its place
+    // two mobilities between the same points, or a missing one, are refused with their place
     for (from, to, expected) in [
         (
             r#"("edge", "shank")"#,

@@ -1,9 +1,8 @@
-//! Frequency responses as a user gets them: a sheet and files in, an outcome out, against a body
-//! whose response is known.
+//! Frequency responses from a sheet and files, compared with those of a body whose response is
+//! known.
 //!
 //! The body is two masses joined by a spring and a dashpot, free in space. Its histories are
-//! integrated in time; the accelerance they are compared with is the closed form in the frequency
-//! domain.
+//! integrated in time; the expected accelerance is the closed form in the frequency domain.
 
 mod judged_hits;
 mod moving_records;
@@ -40,7 +39,7 @@ const ONSET: f64 = 0.05;
 const STRUCK: f64 = 1.2;
 const OTHER: f64 = 0.8;
 const MASS: f64 = STRUCK + OTHER;
-/// Frequency \[rad/s\] and damping ratio of the mode, which falls by 25 nepers over a record.
+/// Frequency \[rad/s\] and damping ratio of the mode, which decays by 25 nepers over a record.
 const OMEGA: f64 = TAU * 300.0;
 const ZETA: f64 = 0.03;
 
@@ -56,7 +55,7 @@ fn accelerance(s: Complex64) -> Complex64 {
     (OTHER * s * s + z) / (STRUCK * OTHER * s * s + MASS * z)
 }
 
-/// A blow of `peak` N over `duration`, a squared sine.
+/// Force of a hit: a squared sine of `peak` N and `duration`.
 fn blow(t: f64, peak: f64, duration: f64) -> f64 {
     if (0.0..duration).contains(&t) {
         peak * (PI * t / duration).sin().powi(2)
@@ -70,7 +69,8 @@ fn history(n: usize, force: impl Fn(f64) -> f64) -> Record {
     history_of(Quantity::Acceleration, n, force)
 }
 
-/// Force and a motion of the struck mass: Runge and Kutta, 16 steps per sample.
+/// Force and a motion of the struck mass, by the method of Runge and Kutta with 16 steps per
+/// sample.
 fn history_of(quantity: Quantity, n: usize, force: impl Fn(f64) -> f64) -> Record {
     const STEPS: usize = 16;
     let h = 1.0 / RATE / STEPS as f64;
@@ -109,8 +109,8 @@ fn history_of(quantity: Quantity, n: usize, force: impl Fn(f64) -> f64) -> Recor
     .unwrap()
 }
 
-/// Returns `history` as recorded with 24 bits and ±10 V: 2 mV/N, 100 mV/g, noise of `density` V²/Hz
-/// on the response and a hundredth of that on the force.
+/// Returns `history` as recorded with 24 bits and ±10 V, sensitivities of 2 mV/N and 100 mV/g, and
+/// noise of `density` V²/Hz on the response and a hundredth of that on the force.
 fn recorded(history: &Record, density: f64, seed: u64) -> Record {
     let chain = |value: f64, unit: &str| {
         SensorChain::of_sensitivity(Rating::new(value, unit).unwrap()).unwrap()
@@ -130,7 +130,7 @@ fn recorded(history: &Record, density: f64, seed: u64) -> Record {
 
 const NOISE: f64 = 1e-9;
 
-/// Bare volts, as a recorder exports them.
+/// Writes the record in volts without names or units, as some recorders export it.
 fn write(path: &Path, volts: &Record) {
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     let rows: Vec<Vec<f64>> = volts
@@ -146,7 +146,7 @@ fn write_hits(folder: &Path, n_hits: u64, duration: f64, density: f64) {
     write_hits_from(0, folder, n_hits, duration, density);
 }
 
-/// With noise of its own for another first seed.
+/// Writes hits; another first `seed` gives other noise.
 fn write_hits_from(seed: u64, folder: &Path, n_hits: u64, duration: f64, density: f64) {
     for hit in 0..n_hits {
         let peak = 150.0 + 10.0 * hit as f64;
@@ -167,7 +167,7 @@ fn records(files: &str) -> String {
     )
 }
 
-/// A sheet with these further fields.
+/// A sheet with the fields `rest`.
 fn sheet_of(files: &str, rest: &str) -> String {
     format!(
         r#"Frf(title: "Two masses", records: {}, input: "hammer", {rest})"#,
@@ -206,8 +206,8 @@ fn on_axis(frequency_hz: f64) -> Complex64 {
     Complex64::new(0.0, TAU * frequency_hz)
 }
 
-/// Mean of |δH|² over the variance that the table states, and the part of lines beyond two standard
-/// deviations.
+/// Mean of |δH|² divided by the variance in the table, and the fraction of lines beyond two
+/// standard deviations.
 fn spread(outcome: &Outcome, kind: &str, truth: impl Fn(f64) -> Complex64) -> (f64, f64) {
     let errors = column(
         outcome,
@@ -218,7 +218,7 @@ fn spread(outcome: &Outcome, kind: &str, truth: impl Fn(f64) -> Complex64) -> (f
         .into_iter()
         .zip(errors)
         .map(|((f, value), percent)| {
-            // of the complex line: twice that of the magnitude
+            // variance of the complex value, twice that of the magnitude
             let variance = 2.0 * (value.norm() * percent / 100.0).powi(2);
             (value - truth(f)).norm_sqr() / variance
         })

@@ -1,6 +1,6 @@
-//! Every input that fuzzing has found worth keeping, and every one that once broke something,
-//! through the bodies of the fuzz targets: `fuzz/corpus` and `fuzz/regressions`, without a fuzzer
-//! and with the toolchain of the workspace.
+//! Replay of all kept inputs, `fuzz/corpus`, and of all inputs that once caused a failure,
+//! `fuzz/regressions`, through the bodies of the fuzz targets, without a fuzzer and with the
+//! toolchain of the workspace.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -24,7 +24,7 @@ fn fuzz() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz")
 }
 
-/// The files of a folder in order of their names; none where there is no folder.
+/// The files of a folder in the order of their names; none if the folder does not exist.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -32,7 +32,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// Gives `body` every kept input of `target`.
+/// Calls `body` with every kept input of `target`.
 fn replay(target: &str, body: fn(&[u8])) {
     let corpus = files(&fuzz().join("corpus").join(target));
     assert!(!corpus.is_empty(), "no file in the corpus of {target}");

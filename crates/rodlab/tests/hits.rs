@@ -1,4 +1,4 @@
-//! The part of a sheet about hits: limits that are stated, omitted or set to none, and their lines
+//! The fields of a sheet about hits: limits that are stated, omitted or set to none, and their rows
 //! in the report.
 
 use labio::{Channel, Provenance, Quantity, Record};
@@ -16,7 +16,7 @@ fn sheet(text: &str) -> Result<HitsSheet, String> {
         .map_err(|error| error.to_string())
 }
 
-/// A blow of 100 N that leaves the level of the force `shift` higher than it was.
+/// A hit of 100 N after which the level of the force is higher by `shift`.
 fn record(name: &str, shift: f64) -> NamedRecord {
     let force = Array2::from_shape_fn((1, 2000), |(_, k)| {
         let t = (k as f64 - 500.0) / 20.0;
@@ -25,7 +25,7 @@ fn record(name: &str, shift: f64) -> NamedRecord {
         } else {
             0.0
         };
-        // noise after a converter
+        // reproducible noise
         let noise = 0.01 * ((k * k * 7919) % 1013) as f64 / 1013.0;
         blow + noise + if t > 0.0 { shift } else { 0.0 }
     });
@@ -173,7 +173,7 @@ fn what_is_no_level_or_stretch_says_why() {
     1:13-1:23: Unexpected field named `doubel_hit` in `CriteriaSheet`, expected one of `kind`, `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, or `remainder` instead
     1:18: Unexpected missing field named `because` in `RulingSheet`
     "#);
-    // a trigger that makes no sense at this rate
+    // the length of the trigger is too short at this rate
     let short =
         sheet(r#"(cut: Trigger(level: "20 N", length: "5 ms", pre_trigger: "10 ms"))"#).unwrap();
     let error = short

@@ -1,9 +1,9 @@
-//! Hits that are judged, sheets that are refused, and measured hits.
+//! Accepted and rejected hits, refused sheets, and measured hits.
 
 use super::*;
 use crate::runs::{Words, answered, doubts, refusal};
 
-/// The log, a line for each hit.
+/// Text of the log, one line per hit.
 fn decisions(outcome: &Outcome) -> String {
     let lines = outcome.log.iter().map(|entry| {
         let reasons = entry.reasons.join("; ");
@@ -61,7 +61,7 @@ fn a_double_hit_is_rejected_with_its_reason_and_a_hand_can_decide_otherwise() {
         by_hand.log[4].reasons[0],
         "accepted by hand: the response is linear"
     );
-    // a second blow is no error of a linear system: force and response hold both
+    // a double hit causes no error for a linear system: force and response contain both impacts
     let (mean, _) = spread(&by_hand, "accelerance", |f| accelerance(on_axis(f)));
     assert!(mean < 3.0, "{mean}");
 }
@@ -69,7 +69,7 @@ fn a_double_hit_is_rejected_with_its_reason_and_a_hand_can_decide_otherwise() {
 #[test]
 fn a_long_record_is_cut_by_a_trigger() {
     let folder = tempfile::tempdir().unwrap();
-    // a blow every 0.6 s, the last one cut
+    // a hit every 0.6 s; the record ends during the last one
     let long = history(5 * N + 800, |t| {
         (0..5)
             .map(|hit| {
@@ -96,7 +96,7 @@ fn a_long_record_is_cut_by_a_trigger() {
     false hit 5, long.npy at 2.5001 s cut at the end: 2887 samples are missing after the hit
     ");
     let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
-    // four hits: F(2, 6), mean 1.5, whose variance is large
+    // for four hits the ratio is distributed as F(2, 6), with the mean 1.5 and a large variance
     assert!((1.0..4.0).contains(&mean), "{mean}");
     let silent = run(
         folder.path(),
@@ -165,7 +165,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
     .unwrap();
     let reason = refusal(&rejected);
     insta::assert_snapshot!(reason, @r"the only hit is rejected (hit 1, hit_0.npy: rejected by hand: the rod was held)");
-    // the partial results are there
+    // the partial results exist
     assert_eq!(rejected.log.len(), 1);
     assert!(rejected.figures.iter().any(|f| f.name == "hits"));
 }
@@ -197,8 +197,8 @@ fn noise_alone_has_no_response() {
     )
     .unwrap();
     let (valid, _) = quantity(&outcome, "valid lines, struck end");
-    // one line of noise in twenty is coherent by chance, but one in 9 million exceeds four standard
-    // errors; of the errors of 17 lines the median is known to 15 %
+    // one line of noise in twenty is coherent by chance, but only one in 9 million exceeds four
+    // standard errors; the median of the errors of 17 lines is known to 15 %
     assert!(valid < 0.1, "{valid}");
     let reason = refusal(&outcome);
     insta::assert_snapshot!(reason, @r"no more lines between 20 Hz and 1.2 kHz are coherent with `hammer` than noise alone would give");
@@ -284,7 +284,8 @@ fn the_template_is_a_sheet() {
         job::parse(Path::new("frf.ron"), text).unwrap().name(),
         "frf"
     );
-    // and with all that is commented out but the alternatives and the second hammer's ellipsis
+    // the template is also valid with all commented fields except alternatives and the ellipsis of
+    // the second hammer
     let mut all = String::new();
     for line in text.lines() {
         let bare = line.trim_start();
@@ -332,12 +333,12 @@ fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
     ));
     let coherence = column(&outcome, "response_acceleration", "coherence");
     let mean = coherence.iter().sum::<f64>() / coherence.len() as f64;
-    // 0.998 to 0.9996 in the parts of this band, from all five hits
+    // the coherence of all five hits is 0.998 to 0.9996 in parts of this band
     assert!((0.997..1.0).contains(&mean), "{mean}");
 }
 
-/// Writes eight hits of 150 to 220 N, changed by `change` of hit and samples before they are
-/// recorded and by `after` of index and sample of the response afterwards.
+/// Writes eight hits of 150 to 220 N. `change` modifies the samples of a hit before they are
+/// recorded, and `after` the recorded response at an index.
 fn write_changed(
     folder: &Path,
     change: impl Fn(u64, &mut Array2<f64>),
@@ -387,14 +388,15 @@ fn a_window_of_the_analyser_is_found_by_the_noise() {
     let doubts = doubts_of(folder.path());
     doubts.must_begin("the noise of `struck end` falls from ");
     doubts.must_say("the analyser has applied a window");
-    // the noise of the blow is then not that before it, and no pair of hits is a copy
+    // the noise after the hit then differs from that before it, but no two hits are reported as
+    // copies
     assert!(!doubts.iter().any(|said| said.contains("stored twice")));
 }
 
 #[test]
 fn a_force_that_saturates_and_another_body_are_found_over_the_hits() {
     let folder = tempfile::tempdir().unwrap();
-    // 2 % less force at 150 N, and 5 % at 220 N
+    // the recorded force is 2 % too small at 150 N and 5 % too small at 220 N
     let saturates = |_: u64, samples: &mut Array2<f64>| {
         samples
             .row_mut(0)

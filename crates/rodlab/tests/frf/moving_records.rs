@@ -3,8 +3,9 @@
 use super::*;
 use crate::runs::{Words, answered, doubts};
 
-/// Writes hits in N and the unit of `quantity`, in records of `n` samples, with `noise` relative to
-/// the peak on the motion and a tenth of that on the force; `change` modifies a hit.
+/// Writes hits in N and in the unit of `quantity`, in records of `n` samples, with `noise` relative
+/// to the peak on the motion and a tenth of it on the force; `change` modifies the samples of a
+/// hit.
 fn write_motions(
     folder: &Path,
     quantity: Quantity,
@@ -47,8 +48,8 @@ fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
     let (mean, beyond) = spread(&outcome, "mobility", |f| {
         accelerance(on_axis(f)) / on_axis(f)
     });
-    // noise of 0.2 %, above the aliasing of a blow that no filter has seen; as of an acceleration:
-    // 1.25 ± 0.3 and 4.8 % ± 3.6 %
+    // noise of 0.2 % exceeds the aliasing of a hit without an anti-alias filter; as for an
+    // acceleration, 1.25 ± 0.3 and 4.8 % ± 3.6 % are expected
     assert!((mean - 1.25).abs() < 0.3, "{mean}");
     assert!((beyond - 0.048).abs() < 0.036, "{beyond}");
 }
@@ -57,7 +58,7 @@ fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
 fn s1_a_force_comes_back_from_the_velocity_of_a_free_body() {
     let folder = tempfile::tempdir().unwrap();
     write_motions(folder.path(), Quantity::Velocity, (9, N, 1e-3), |_, _| {});
-    // the last of them is the blow, 230 N
+    // the last record, of 230 N, is the one whose force is determined
     fs::rename(
         folder.path().join("hit_08.npy"),
         folder.path().join("blow.npy"),
@@ -72,16 +73,16 @@ fn s1_a_force_comes_back_from_the_velocity_of_a_free_body() {
             acting: (from: "48 ms", to: "53 ms")))"#
     );
     let outcome = run(folder.path(), &text).unwrap();
-    // a squared sine has half its peak in the mean of its millisecond
+    // the mean of a squared sine over its millisecond is half its peak
     let (impulse, error) = quantity(&outcome, "impulse");
-    // a truncated step on one side only, of 0.45 s in 0.5 s, would leave a tenth out
+    // a step truncated on one side, to 0.45 s of 0.5 s, would leave out a tenth
     assert!((impulse / 0.115 - 1.0).abs() < 0.02, "{impulse} {error:?}");
 }
 
 #[test]
 fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let folder = tempfile::tempdir().unwrap();
-    // 44 ms after the blow the mode has fallen to 8 %
+    // 44 ms after the hit the mode has decayed to 8 %
     write_motions(
         folder.path(),
         Quantity::Acceleration,
@@ -99,9 +100,9 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let lines = response(&taken, "accelerance");
     for ((f, value), (random, leak)) in lines.into_iter().zip(random.iter().zip(leaks)) {
         let truth = accelerance(on_axis(f) + decay);
-        // 8 % of the mode under 12 % of the weight of the blow: 0.01 1/kg at 250 Hz, which is
-        // stated. The noise before the blow has twelve times its weight; of 110 lines of
-        // six hits none is beyond 8 errors (probability 1e-4 a line)
+        // 8 % of the mode remain, with 12 % of the weight of the hit: this leakage, 0.01 1/kg at
+        // 250 Hz, is stated. The noise before the hit has twelve times the weight of the hit; of
+        // 110 lines of six hits none exceeds 8 errors (probability 1e-4 per line)
         let errors = (0.08 * std::f64::consts::SQRT_2 * random).hypot(0.02 * leak);
         let error = (value - truth).norm();
         assert!(error < 0.002 + errors * value.norm(), "{f} {error}");
@@ -119,7 +120,7 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     refused.summary[0].must_say("record longer, or state `problem.path.exponential_window`");
 
     let folder = tempfile::tempdir().unwrap();
-    // 75 ms: 1.4 %, of a mode that is a fraction of the peak
+    // after 75 ms 1.4 % of the mode remain, and the mode is a fraction of the peak
     write_motions(
         folder.path(),
         Quantity::Acceleration,
@@ -139,8 +140,8 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
         let error = 100.0 * (value / accelerance(on_axis(*f)) - 1.0).norm();
         held += f64::from(u8::from(error < 2.0 * leak.hypot(1.41 * random)));
     }
-    // twice both errors: 98 % of the lines for noise, and the leakage is known to a fraction of
-    // itself
+    // twice the combined error contains 98 % of the lines for noise alone; the leakage is known
+    // only to a fraction of itself
     assert!(
         held > 0.95 * lines.len() as f64,
         "{held} of {}",
@@ -167,10 +168,10 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
         spread(outcome, "accelerance", |f| accelerance(on_axis(f) + decay)).0
     };
     let outcome = answered(run(folder.path(), &sheet_in("m/s^2", windows)));
-    // 8/7 F(2, 14): 1.33, with the level at rest of 300 samples beside
+    // the mean of 8/7 F(2, 14) is 1.33; the level at rest, from 300 samples, adds some error
     let mean = off_axis(&outcome);
     assert!(mean < 2.0, "{mean}");
-    // the effect of the former default is reported, and puts the result in doubt
+    // without subtraction of the level, the effect is reported and puts the result in doubt
     let nothing = format!("{windows} detrend: Nothing,");
     let outcome = run(folder.path(), &sheet_in("m/s^2", &nothing)).unwrap();
     assert!(off_axis(&outcome) > 10.0);
@@ -192,7 +193,7 @@ fn s9_windows_that_cut_the_hit_put_the_result_in_doubt() {
         (8, N, 1e-4),
         |_, _| {},
     );
-    // a third of the blow of 1 ms from 50 ms on
+    // the force window ends after a third of the hit, which lasts 1 ms from 50 ms on
     let cut = r#"force_window: (start: "45 ms", end: "50.3 ms", taper: "0.1 ms"),"#;
     for choice in [cut, "window: Hann,"] {
         let outcome = run(folder.path(), &sheet_in("m/s^2", choice)).unwrap();
@@ -227,7 +228,7 @@ fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
         reason.starts_with(
             "hit 4, hit_03.npy departs from the others: `struck end` departs by a relative 2.00"
         ) && reason.contains("-1.00")
-            // the ratio would be the same with an inverted force
+            // an inverted force would give the same ratio
             && reason.contains("; the fault may be in `struck end` or in `hammer`: reject the hit, ")
             && reason.ends_with(
                 "state `odd = \"leave_out\"` among the hits (in RON `odd: LeaveOut`), or find out why"
@@ -241,7 +242,7 @@ fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
     assert!((quantity(&left_out, "averages").0 - 9.0).abs() < 1e-12);
     left_out.log[3].reasons[0].must_say("departs");
     let (mean, _) = spread(&left_out, "accelerance", |f| accelerance(on_axis(f)));
-    // 9/8 F(2, 16), mean 1.29; the inverted hit makes some thousands
+    // the mean of 9/8 F(2, 16) is 1.29; with the inverted hit it would be some thousands
     assert!(mean < 2.5, "{mean}");
 }
 
@@ -263,7 +264,7 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
     );
     assert!(rates.iter().all(|rate| (rate - 12.5).abs() < 1e-12));
     fs::write(folder.path().join("frf.uff"), &outcome.attachments[0].bytes).unwrap();
-    // a data set of a universal file has the rate as its z-axis
+    // a data set of a universal file contains the decay rate as its z-axis
     let contents = format::read_bytes(&outcome.attachments[0].bytes).unwrap();
     let said = |field: &str| {
         let found = contents.series[0]
@@ -286,7 +287,7 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
         &again.attachments[0].bytes,
     )
     .unwrap();
-    // the table as CSV, without the lines at 0 Hz
+    // writes the table as CSV, without the lines at 0 Hz
     let table = outcome
         .tables
         .iter()
@@ -323,14 +324,15 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
         let rest = r#"regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation), acting: (from: "48 ms", to: "53 ms"),"#;
         let outcome = run(folder.path(), &force(rest)).unwrap();
         let (impulse, error) = quantity(&outcome, "impulse");
-        // a squared sine of 150 N has half its peak in the mean of its millisecond; by the lines as
-        // those of the frequency axis it would be 0.089
+        // the mean of a squared sine over its millisecond is half its peak of 150 N; with the lines
+        // taken as those on the frequency axis it would be 0.089
         assert!(
             (impulse / 0.075 - 1.0).abs() < 0.02,
             "{file}: {impulse} {error:?}"
         );
     }
-    // the same from the hits, the first of which is the blow, whose response is that of a velocity
+    // the same with the path from hits; the first record is the one whose force is determined, from
+    // a velocity
     let folder = tempfile::tempdir().unwrap();
     write_motions(folder.path(), Quantity::Velocity, (7, N, 1e-3), |_, _| {});
     fs::rename(

@@ -1,4 +1,4 @@
-//! The response of a body by one hammer and by two.
+//! The response of a body from hits with one hammer and with two.
 
 use super::*;
 use crate::runs::{Words, answered, doubts, figures_of};
@@ -14,9 +14,9 @@ fn the_response_is_that_of_the_body_within_its_stated_errors() {
         outcome.log
     );
     let (mean, beyond) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
-    // 590 lines. Ten hits: |δH|² over its estimate is F(2, 18), mean 1.125 and standard deviation
-    // 1.4, so 0.06 of the mean over the lines; 4 of those. Beyond 4 lie (1 + 4/9)^-9 = 3.6 %,
-    // standard error 0.8 %; 4 of those.
+    // For ten hits, |δH|² divided by its estimate is distributed as F(2, 18), with the mean 1.125
+    // and the standard deviation 1.4. The mean over 590 lines has a standard deviation of 0.06, and
+    // (1 + 4/9)^-9 = 3.6 % ± 0.8 % of the lines exceed 4. The limits are four standard deviations.
     assert!((mean - 1.125).abs() < 0.24, "{mean}");
     assert!((beyond - 0.036).abs() < 0.032, "{beyond}");
 
@@ -24,11 +24,11 @@ fn the_response_is_that_of_the_body_within_its_stated_errors() {
     assert!((averages - 10.0).abs() < 1e-12);
     let (spacing, _) = quantity(&outcome, "distance of lines");
     assert!((spacing - 2.0).abs() < 1e-12);
-    // 1 % and 2 %, independent
+    // the uncertainties of the sensors, 1 % and 2 %, are independent
     let (calibration, _) = quantity(&outcome, "uncertainty of the calibration, struck end");
     assert!((calibration - 5.0_f64.sqrt()).abs() < 1e-9);
-    // a squared sine over 1 ms is 20 dB down at 1.65 kHz, where its transform sinc(x)/(1 - x²), x =
-    // f T, is a tenth
+    // the spectrum of a squared sine of T = 1 ms is 20 dB down at 1.65 kHz, where sinc(x)/(1 - x²),
+    // x = f T, is a tenth
     let (end, _) = quantity(&outcome, "end of the spectrum of the input");
     assert!((1600.0..1700.0).contains(&end), "{end}");
     let (lowest, _) = quantity(&outcome, "lowest coherence, struck end");
@@ -63,7 +63,7 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
     };
     assert_eq!(mobility.kind, SeriesKind::FrequencyResponse);
     assert_eq!(coherence.kind, SeriesKind::Coherence);
-    // velocity over force, without the line at 0 Hz, which has no integral
+    // the mobility has no line at 0 Hz, where the accelerance cannot be integrated
     assert_eq!(
         mobility.ordinate_axis.unit.as_ref().unwrap().dimension(),
         labio::Unit::parse("m/(N s)").unwrap().dimension()
@@ -77,10 +77,10 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
     let table = response(&outcome, "mobility");
     for (frequency, value) in table {
         let line = ((frequency - start) / step).round() as usize;
-        // thirteen digits of text
+        // the text has thirteen digits
         assert!((values[line] - value).norm() < 1e-11 * value.norm());
     }
-    // three hits have four degrees of freedom, the sensors 1 % and 2 %
+    // three hits give four degrees of freedom; the sensors have errors of 1 % and 2 %
     let reals = |series: &Series| match &series.ordinate {
         Ordinate::Real(values) => values.clone(),
         other => panic!("{other:?}"),
@@ -103,7 +103,7 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
         .find(|(field, _)| field == "uff58.id3");
     assert_eq!(said.unwrap().1, "averages: 3");
 
-    // and a mobility read from it has them all
+    // a mobility read from this file has all these data
     fs::write(folder.path().join("frf.uff"), &attachment.bytes).unwrap();
     let read = run(
         folder.path(),
@@ -115,7 +115,7 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
         "response_struck_end",
         "random error of the magnitude",
     );
-    // the first line of the band is the tenth of the mobility, behind 0 Hz
+    // the first line of the band is line 10 of the mobility, which begins with 0 Hz
     let again = column(&read, "mobility", "standard error of the magnitude");
     for (there, here) in written.iter().zip(&again[10..]) {
         assert!((there / here - 1.0).abs() < 1e-9);
@@ -134,7 +134,7 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
     );
 }
 
-/// A second hammer with a sensitivity of its own, 10 % off or right.
+/// A sheet with a second hammer of the stated `sensitivity`, which is right or 10 % off.
 fn second_of(sensitivity: &str) -> String {
     let second = records("hard/*.npy").replace("2 mV/N ± 1 %", sensitivity);
     sheet_of(
@@ -149,7 +149,7 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
     write_hits(&folder.path().join("soft"), 5, 2e-3, NOISE);
     write_hits_from(50, &folder.path().join("hard"), 5, 0.7e-3, NOISE);
     let outcome = answered(run(folder.path(), &second_of("2 mV/N ± 3 %")));
-    // between what the first and the second pair of sensors give, as the shares are
+    // the errors of the two pairs of sensors are averaged with the shares of the hammers
     let common = column(&outcome, "response_struck_end", "error that lines share");
     let shares = column(&outcome, "response_struck_end", "share of the first hammer");
     for (common, share) in common.iter().zip(shares) {
@@ -159,10 +159,10 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
     }
     let outcome = run(folder.path(), &second_of("2.2 mV/N ± 1 %")).unwrap();
     let reasons = doubts(&outcome);
-    // a force that is read 10 % too small makes the response 10 % too large
+    // a force that is 10 % too small makes the response 10 % too large
     reasons.must_say("the second hammer gives 1.10");
     let common = column(&outcome, "response_struck_end", "error that lines share");
-    // ln 1.1 over the root of 2, beside the sensors of 2.2 %
+    // ln 1.1 divided by the root of 2, in addition to 2.2 % of the sensors
     assert!(
         common.iter().all(|error| (error - 7.1).abs() < 0.2),
         "{}",
@@ -191,14 +191,14 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
         let truth = accelerance(s) / s;
         if *frequency < 20.0 {
             assert_eq!(validity, "of the weighed mass");
-            // 1 gram of 2 kg, and the neglected (ω/ω_0)⁴ of the mode
+            // the errors are 1 gram of 2 kg and the neglected term (ω/ω_0)⁴ of the mode
             assert!((value / truth - 1.0).norm() < 2e-3, "{frequency}");
         } else {
             assert_eq!(validity, "valid");
         }
     }
     assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
-    // a mass that was weighed wrong does not agree with the lines
+    // a wrong weighed mass does not agree with the lines
     let wrong = text.replace("2 kg ± 1 gram", "2.5 kg ± 1 gram");
     let outcome = run(folder.path(), &wrong).unwrap();
     let reasons = doubts(&outcome);
@@ -208,7 +208,7 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
 #[test]
 fn two_hammers_are_one_response() {
     let folder = tempfile::tempdir().unwrap();
-    // soft and hard: the first ends where the second begins
+    // a soft and a hard hammer: the spectrum of the first ends where that of the second begins
     write_hits(&folder.path().join("soft"), 8, 4e-3, NOISE);
     write_hits_from(50, &folder.path().join("hard"), 8, 0.7e-3, 10.0 * NOISE);
     let second = |merge: &str| {
@@ -223,8 +223,8 @@ fn two_hammers_are_one_response() {
     for merge in ["InverseVariance", "LargerInput"] {
         let outcome = answered(run(folder.path(), &second(merge)));
         let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
-        // the estimates of the variances of 8 hits each, of which the better is believed too much:
-        // 8/7 to 1.6 in the mean
+        // the variances are estimated from 8 hits each, and the hammer with the smaller estimate
+        // gets too much weight: the mean is 8/7 to 1.6
         assert!((1.0..1.9).contains(&mean), "{merge} {mean}");
         let shares = column(&outcome, "response_struck_end", "share of the first hammer");
         let frequency = column(&outcome, "response_struck_end", "frequency");

@@ -3,12 +3,12 @@
 use super::*;
 use crate::runs::{Words, answered};
 
-/// Forces on both masses and the acceleration of the struck one, in volts of 2 mV/N and 100 mV/g
-/// with noise of 30 mV, of the forces a tenth of that; the forces rest in the first `silent`
-/// samples, and the second is `other` times its own. The forces are random cubic splines with a
-/// knot every eighth sample: their power above half the sampling rate, which no recorder would let
-/// in, is below 1e-9 of that in the band (forces linear between knots leave 1e-5, and an error of
-/// 0.3 % in |H| that no stated error contains).
+/// Writes forces on both masses and the acceleration of the struck mass in volts, with 2 mV/N and
+/// 100 mV/g, noise of 30 mV on the acceleration and a tenth of it on the forces. The forces are 0
+/// in the first `silent` samples, and the second one is multiplied by `other`. They are random
+/// cubic splines with a knot every eighth sample: their power above half the sampling rate, which a
+/// recorder would remove, is below 1e-9 of that in the band (with forces linear between knots it
+/// would be 1e-5, an error of 0.3 % in |H| that no stated error contains).
 fn shaken(path: &Path, n: usize, silent: usize, other: f64, seed: u64) {
     const KNOTS: usize = 8;
     const STEPS: usize = 8;
@@ -22,7 +22,7 @@ fn shaken(path: &Path, n: usize, silent: usize, other: f64, seed: u64) {
     for numbers in &mut numbers {
         numbers[..silent.div_ceil(KNOTS) + 3].fill(0.0);
     }
-    // the shakers hear each other
+    // the forces of the two shakers are correlated
     let forces = |t: f64| {
         let place = t * RATE / KNOTS as f64;
         let (knot, u) = (place as usize, place.fract());
@@ -89,8 +89,8 @@ fn shaken_sheet(rest: &str) -> String {
     )
 }
 
-/// Numbers of lines of the table whose magnitude and whose phase are within two standard errors of
-/// the truth, the error by the width of the lines included, and the number of all lines.
+/// Numbers of lines whose magnitude, and of lines whose phase, is within two standard errors of the
+/// true value, including the error due to the width of the lines; and the number of all lines.
 fn within_two(
     outcome: &Outcome,
     table: &str,
@@ -142,17 +142,17 @@ fn s14_long_random_records_give_the_response_of_the_body() {
     let table = "response_struck_end";
     let [magnitude, phase, lines] = within_two(&outcome, table, accelerance);
     println!("{magnitude} {phase} of {lines}");
-    // 95.45 % for so many averages: 401 lines, of which a third are independent under a Hann
-    // window, three standard errors of 1.8 %
+    // 95.45 % are expected for so many averages; of 401 lines a third are independent with a Hann
+    // window, and the limit is three standard errors of 1.8 %
     assert!(magnitude as f64 > 0.90 * lines as f64 && phase as f64 > 0.90 * lines as f64);
-    // of 19 half-overlapped segments in each record, and two degrees for each independent one but
-    // the first
+    // each record has 19 half-overlapped segments; each independent segment except the first adds
+    // two degrees of freedom
     let (averages, _) = quantity(&outcome, "averages");
     assert!((averages - 38.0).abs() < 1e-12, "{averages}");
     let freedom = column(&outcome, table, "degrees of freedom of the errors");
     assert!((60.0..74.0).contains(&freedom[0]), "{}", freedom[0]);
-    // (3 mV)^2 over 4096 Hz against (65 mV)^2 over some 500 Hz: 0.026 %, several times that where
-    // the force happens to have less
+    // noise of (3 mV)^2 over 4096 Hz relative to (65 mV)^2 over some 500 Hz is 0.026 %, and several
+    // times as much where the force is small by chance
     let bias = column(&outcome, table, "bias of the magnitude by noise at rest");
     assert!(bias.iter().all(|b| (-0.3..0.0).contains(b)), "{bias:?}");
     let mean = bias.iter().sum::<f64>() / bias.len() as f64;
@@ -202,7 +202,8 @@ fn s14_inputs_that_act_together_have_a_response_each() {
         );
         assert!(multiple.iter().sum::<f64>() > 0.9 * lines as f64);
     }
-    // without the second the first carries its part: not coherent, and wrong
+    // if the second input is left out, its part is attributed to the first: the response is not
+    // coherent and wrong
     let alone = run(
         folder.path(),
         &shaken_sheet(r#"segments: (length: "8192 samples"),"#),
@@ -266,10 +267,10 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
         ("hits: hits extended at rest to 4096 samples", "5")
     );
     let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
-    // five hits: F(2, 8), mean 4/3
+    // for five hits the ratio is distributed as F(2, 8), with the mean 4/3
     assert!((0.9..2.0).contains(&mean), "{mean}");
-    // at sample 1100 the mode has fallen to a hundredth, three thousandths of the peak: the checks
-    // pass, rest it is not
+    // at sample 1100 the mode has decayed to a hundredth, three thousandths of the peak: the checks
+    // pass, but the record is not at rest
     cut(1100, "hit_9.npy", 19);
     let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
     moving.must_say_all(&[
