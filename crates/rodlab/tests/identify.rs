@@ -27,7 +27,7 @@ fn refused(folder: &Path, text: &str) -> String {
     attempt(folder, text).refused()
 }
 
-/// One entry of `tests`; `more` are further fields.
+/// An entry of the field `tests` in a sheet; `more` contains further fields.
 fn test_entry(file: &str, velocity: &str, more: &str) -> String {
     format!(
         r#"(
@@ -56,7 +56,8 @@ fn sheet(tests: &[String], more: &str) -> String {
     )
 }
 
-/// Entries of tests at 3 and 24 m/s, whose records are written with noise of 0.5 % of the velocity.
+/// Writes records of tests at 3 and 24 m/s with noise of 0.5 % of the velocity, and returns their
+/// entries.
 fn slow_and_fast(folder: &TempDir, truth: &impl InelasticLaw) -> [String; 2] {
     [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)].map(|(file, velocity, seed)| {
         let path = folder.path().join(file);
@@ -65,8 +66,9 @@ fn slow_and_fast(folder: &TempDir, truth: &impl InelasticLaw) -> [String; 2] {
     })
 }
 
-/// The rod is at rest for 1.25 ms, and is seen for two and a half round trips of the wave. Waves of
-/// the recorder's 16 kHz are 106 mm long: cells of 4 mm err by a fortieth of the noise.
+/// Length of cells. At the recorder's 16 kHz waves are 106 mm long, and the error of cells of 4 mm
+/// is a fortieth of the noise. The records contain 1.25 ms of rest and two and a half round trips
+/// of the wave.
 const QUICK: &str = r#"cell: "4 mm""#;
 
 #[test]
@@ -93,7 +95,7 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     ] {
         assert!(is_found(&outcome, name, truth, [3.0, largest]).valid);
     }
-    // a linear law cannot have these two, and its parameters are not those of the material
+    // a linear law does not fit both tests, and its parameters are not those of the material
     let rejected = quantity(&outcome, "Maxwell: viscosity eta");
     assert!(
         !rejected.valid && rejected.verdict.starts_with("rejected"),
@@ -101,20 +103,20 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     );
     assert!(words(&outcome, "laws", "law").contains(&"Maxwell-Norton".to_owned()));
     assert_eq!(figures_of(&outcome), "responses, residuals, profiles");
-    // both files, with their hashes
+    // both files are listed with their hashes
     assert_eq!(outcome.inputs.len(), 2);
     assert!(outcome.inputs.iter().all(|input| input.sha256.len() == 64));
 }
 
-/// The length of the rod in the fast test is stated 10 mm too large, as if the rod had a modulus 5 %
-/// too high.
+/// The length of the rod in the fast test is stated 10 mm too large, which corresponds to a modulus
+/// that is 5 % too high.
 #[test]
 fn tests_that_contradict_each_other_are_in_doubt() {
     let folder = TempDir::new().unwrap();
     let truth = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
     let mut tests = slow_and_fast(&folder, &truth);
     let agreeing = answered(attempt(folder.path(), &sheet(&tests, QUICK)));
-    // a few kelvin between the tests would change the exponent
+    // a difference of a few kelvin between the tests would change the exponent
     agreeing
         .warnings
         .must_begin("The temperatures of the tests are not stated");
@@ -143,7 +145,7 @@ fn a_reversed_response_and_a_noise_below_the_converter_are_refused() {
 fn one_impact_velocity_cannot_tell_the_laws_apart() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("one.csv");
-    // 0.5 % of the impact velocity
+    // noise of 0.5 % of the impact velocity
     velocities(&Maxwell::new(4e6).unwrap(), 10.0).write(&path, 0.05, 3, "m/s", 1.0);
     let test = test_entry(
         "one.csv",
@@ -157,8 +159,8 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
     assert!(is_found(&outcome, "Maxwell: viscosity eta", 4e6, [3.0, 0.3]).valid);
 }
 
-/// At one velocity nonlinear laws and a flat loss remain: a faster test separates them, a
-/// repetition does not.
+/// From one velocity nonlinear laws and a flat loss remain possible: a faster test separates them,
+/// a repetition does not.
 #[test]
 fn the_next_test_is_the_one_that_tells_the_laws_apart() {
     let folder = TempDir::new().unwrap();
@@ -220,7 +222,7 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
     wrong.must_say("next.rods.gaps is 8 mm, expected above 0 and less than every length");
 }
 
-/// Entries of two tests behind a flat striker of 3 and 27 m/s, whose records are written.
+/// Writes records of two tests with a flat striker at 3 and 27 m/s, and returns their entries.
 fn behind_a_flat_striker(folder: &TempDir, truth: &impl InelasticLaw, own: &str) -> Vec<String> {
     let tests = [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)];
     let entries = tests.map(|(file, velocity, seed)| {
@@ -269,8 +271,8 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     assert!(is_found(&maxwell, "Maxwell: viscosity eta", 4e6, [3.5, 0.1]).valid);
 }
 
-/// The same striker, with the filter stated: the law is found through it, and the sheet's
-/// assumption is in the log.
+/// The same striker, with the filter stated: the law is found with the filter as part of the model,
+/// and the log states the assumption.
 #[test]
 fn a_stated_recorder_is_part_of_the_model() {
     let folder = TempDir::new().unwrap();
@@ -283,7 +285,7 @@ fn a_stated_recorder_is_part_of_the_model() {
         attempt(folder.path(), &sheet(&tests, &more))
     };
     let of = |recorder: &str| with(recorder, false);
-    // the law is named, or left beside another nonlinear one
+    // the law is named, or remains possible together with another nonlinear law
     let compared = with(r#"LinearPhase(cutoff: "16 kHz")"#, true).unwrap();
     let told = compared
         .summary
@@ -299,7 +301,7 @@ fn a_stated_recorder_is_part_of_the_model() {
     );
     assert!(quantity(&compared, "Maxwell-Norton: exponent kappa").valid);
     let found = answered(of(r#"LinearPhase(cutoff: "16 kHz")"#));
-    // driven by the record E is 2 % low and kappa 1.8
+    // a rod driven by the record itself would give an E that is 2 % too low and a kappa of 1.8
     for (name, truth, allowed) in [
         ("Maxwell-Norton: Young's modulus E", MODULUS, 0.01 * MODULUS),
         ("Maxwell-Norton: exponent kappa", 2.0, 0.2),
@@ -337,8 +339,8 @@ fn a_stated_recorder_is_part_of_the_model() {
     said.must_say("tests[0].cutoff");
 }
 
-/// The law that is named has its values with errors, a linear one too; those of the others are not
-/// the material's.
+/// The named law has values with errors, even if it is linear; the values of the other laws are not
+/// valid.
 #[test]
 fn r24_the_linear_law_that_is_named_has_values_with_errors() {
     let folder = TempDir::new().unwrap();
@@ -372,14 +374,14 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
         !rejected.valid && rejected.verdict.starts_with("rejected"),
         "{rejected:?}"
     );
-    // nothing is called identified that is not valid
+    // only valid quantities are called identified
     for found in &outcome.quantities {
         assert!(found.valid || found.verdict != "identified", "{found:?}");
     }
 }
 
-/// Two per cent of noise and no damping: no law is said to be supported whose damping the data do
-/// not determine.
+/// With two per cent of noise and no damping, no law is supported whose damping the data do not
+/// determine.
 #[test]
 fn r24_an_elastic_rod_supports_no_law_of_damping() {
     let folder = TempDir::new().unwrap();
@@ -396,7 +398,7 @@ fn r24_an_elastic_rod_supports_no_law_of_damping() {
     );
 }
 
-/// One recording is one test.
+/// One recording used as two tests is refused.
 #[test]
 fn r10_one_recording_as_two_tests_is_refused() {
     let folder = TempDir::new().unwrap();
@@ -427,7 +429,7 @@ fn displacements_are_differentiated_and_give_the_law() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("one.csv");
     let truth = Maxwell::new(4e6).unwrap();
-    // a micrometre: a five-thousandth of the range of 5 mm
+    // noise of one micrometre, a five-thousandth of the range of 5 mm
     displacements(&truth, 10.0).write(&path, 1e-6, 3, "um", 1e6);
     let test = |more: &str| test_entry("one.csv", "10 m/s", more);
     let only_maxwell = "laws: [Maxwell], compare: false, profiles: false";
@@ -450,7 +452,7 @@ fn displacements_are_differentiated_and_give_the_law() {
              and by more in a thicker one: state `diameter` and `poisson_ratio` of the specimen",
         ]
     );
-    // a transducer that lost the free end
+    // a transducer whose range the free end exceeds
     let short = attempt(
         folder.path(),
         &sheet(&[test(&noise.replace("20 mm", "2 mm"))], only_maxwell),
@@ -458,7 +460,7 @@ fn displacements_are_differentiated_and_give_the_law() {
     .unwrap();
     let said = &short.log[0].reasons;
     said.must_begin("the transducer of the");
-    // the same sheet and file, the same result to the last digit
+    // the same sheet and file give the same result to the last digit
     let again = attempt(folder.path(), &text).unwrap();
     assert_eq!(json(&outcome), json(&again));
     assert_eq!(outcome.figures, again.figures);
@@ -518,7 +520,7 @@ fn what_is_wrong_with_tests_is_said() {
     .map(|text| {
         let said = refused(folder.path(), &text);
         let said = said.replace(&folder.path().display().to_string(), "FOLDER");
-        // the arrival belongs to the pulse, not to the message
+        // the time of arrival depends on the pulse, and is compared separately from the message
         match said.split_once("arrives at ") {
             Some((before, after)) => {
                 let (time, after) = after.split_once(" s and").unwrap();

@@ -1,4 +1,4 @@
-//! Findings of `inspect` in sound files, and in those in which something is wrong.
+//! Findings of `inspect` in intact files and in faulty ones.
 
 use testbed::measured;
 
@@ -9,8 +9,7 @@ use rodlab::inspect::{inspect, inspect_bytes};
 
 use crate::runs::{Refused, Words, npy, without_formats};
 
-/// A hit of 2 ms in columns of a recorder: time, force that is cut at `range`, acceleration with an
-/// offset.
+/// A table with a hit of 2 ms: time, force clipped at `range`, and acceleration with an offset.
 fn table(range: f64, offset: f64) -> String {
     let mut text = "Time (ms),hammer (N),end A (g)\n".to_owned();
     for k in 0..2000 {
@@ -25,7 +24,7 @@ fn table(range: f64, offset: f64) -> String {
         } else {
             0.0
         };
-        // noise without a pattern, and both with the digits of a recorder
+        // irregular noise, and values with the digits of a recorder
         let noise = (f64::from(k * k % 1009) * 12.9898).sin();
         let force = (80.0 * blow + 0.05 * noise).clamp(-range, range);
         let acceleration = 5.0 * ring + 0.002 * noise + offset;
@@ -51,7 +50,7 @@ fn a_sound_table_is_described_in_columns() {
     assert!((force.sampling_rate_hz.unwrap() - 10_000.0).abs() < 1e-6);
     let levels = force.levels.unwrap();
     assert_eq!(levels.peak_at, 210);
-    // half a sine over 2 ms of 200 ms: (80²/2 · 0.01)^½, and noise of 0.05/√2
+    // half a sine during 2 ms of 200 ms has the rms (80²/2 · 0.01)^½; the noise has 0.05/√2
     assert!((levels.rms - 5.657).abs() < 0.01, "{}", levels.rms);
 }
 
@@ -128,7 +127,8 @@ fn a_row_of_times_is_no_channel() {
 }
 
 /// A job reads such a column as the times if the rate is stated, and counts the channels after it.
-/// Times in single precision leave it open whether they are times; a `0` without decimals does not.
+/// For times in single precision it remains open whether they are times; for a `0` without decimals
+/// it does not.
 #[test]
 fn a_column_without_a_head_is_recognised_as_times() {
     let inspected = |time: &dyn Fn(u32) -> String| {
@@ -180,7 +180,7 @@ fn a_damaged_file_is_read_as_far_as_it_goes() {
     let damaged = format!("{cut}\nthe recorder stopped here\n");
     let inspection = inspect_bytes(damaged.as_bytes(), "cut.csv").unwrap();
     assert!(inspection.series[0].samples > 1900);
-    // the row that is cut, and the remark
+    // the defects are the row that is cut and the remark
     assert_eq!(inspection.defects.len(), 2, "{:?}", inspection.defects);
     inspection.to_text().must_say("not read:");
 }
@@ -211,7 +211,7 @@ fn the_measured_files_are_all_described() {
     let Some(data) = measured::folder() else {
         return;
     };
-    // a drop-table shock that is a documented failure of the acquisition
+    // a shock on a drop table during which the acquisition failed, as documented
     let failed = inspect(&data.join("shock/Test_017.lvm")).unwrap();
     assert!(!failed.suspicions.is_empty(), "{}", failed.to_text());
     let mut described = 0;
@@ -224,7 +224,7 @@ fn the_measured_files_are_all_described() {
                     let text = inspection.to_text();
                     assert!(text.lines().count() > 2, "{text}");
                 }
-                // the corrupt one is reported
+                // only the corrupt file is reported as an error
                 Err(error) => assert!(
                     path.ends_with("tdms/faulty_tdms_01.tdms"),
                     "{}: {error}",
@@ -236,7 +236,7 @@ fn the_measured_files_are_all_described() {
     assert!(described > 15, "{described}");
 }
 
-/// No job reads times that decrease or are uneven; the inspection says where.
+/// No job accepts times that decrease or are uneven; the inspection states where they occur.
 #[test]
 fn times_that_decrease_or_are_uneven_are_suspicious() {
     let said = |times: [f64; 5]| {

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 use crate::runs::{Words, done, rodlab, text};
 
-/// The sheets of the examples in RON.
+/// Paths of the sheets of the examples in RON.
 fn examples() -> Vec<PathBuf> {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let pattern = examples.join("*/*.ron");
@@ -25,7 +25,7 @@ fn examples() -> Vec<PathBuf> {
     found
 }
 
-/// Every field of a sheet, quantities as they are written.
+/// All fields of a sheet as text, quantities as they are written.
 fn fields(text: &str) -> String {
     let read = job::parse(Path::new("sheet"), text);
     format!(
@@ -64,8 +64,8 @@ fn outcome(path: &Path, text: &str) -> Outcome {
     job::run(&sheet, &Silent, &AtomicBool::new(false)).unwrap()
 }
 
-/// All but virtual tests, whose results name sheets by their extension, and the longest one, whose
-/// sheet is compared above.
+/// All examples are compared except virtual tests, whose results name sheets by their extension,
+/// and the longest computations, whose sheets are compared above.
 #[test]
 fn results_do_not_depend_on_the_language() {
     for path in examples() {
@@ -77,7 +77,7 @@ fn results_do_not_depend_on_the_language() {
         let toml = sheet::in_toml(&path, &text).unwrap();
         let result = |text: &str| {
             let mut outcome = outcome(&path, text);
-            // in the order of the sheet, which TOML has for values without parts first
+            // settings are in the order of the sheet, and in TOML values without parts come first
             outcome.settings.sort_by(|a, b| a.name.cmp(&b.name));
             serde_json::to_string(&outcome).unwrap()
         };
@@ -105,8 +105,8 @@ fn json_has_the_form_of_toml() {
     assert_eq!(fields(json), fields(ron));
 }
 
-/// A stated value is listed as it is written, with its place; open values follow with their
-/// defaults.
+/// A stated value is listed as it is written, with its place; fields that are not stated follow
+/// with their defaults.
 #[test]
 fn settings_are_the_statements_of_a_sheet_and_what_they_leave_open() {
     let ron = r#"Force(
@@ -156,7 +156,7 @@ fn settings_are_the_statements_of_a_sheet_and_what_they_leave_open() {
     assert_eq!(in_toml, in_ron);
 }
 
-/// Place, field and problem of every mistake.
+/// Text with place, field and problem of every mistake.
 fn mistakes(name: &str, text: &str) -> String {
     let error = job::parse(Path::new(name), text).unwrap_err();
     let all = std::iter::once(&*error).chain(error.others());
@@ -227,7 +227,7 @@ channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
     )),
 )
 "#;
-    // the same mistakes in the same fields, but for how each language names things
+    // the mistakes are in the same fields, apart from the names in each language
     let plain = |text: String| {
         let lines = text.lines().map(|line| {
             let field = line.split_whitespace().nth(1).unwrap();

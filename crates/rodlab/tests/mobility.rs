@@ -1,5 +1,5 @@
-//! Mobilities from sheets: of virtual hits on two masses with a spring and a dashpot between, which
-//! are integrated in time and known in closed form; of files; of computed bodies.
+//! Mobilities from sheets: from virtual hits on two masses with a spring and a dashpot between
+//! them, integrated in time and compared with the closed form; from files; of computed bodies.
 
 use crate::two_masses;
 
@@ -54,11 +54,12 @@ fn hits_give_the_mobility_within_its_errors() {
     strike(folder.path(), "hit", BODY, HAMMER);
     let text = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
     let outcome = answered(attempt(folder.path(), &text));
-    // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines give the mean to
-    // 8 %, and the tails of Student's distribution less accurately
+    // the variance of a line is estimated from 8 hits, so that its reciprocal has the mean 7/6; 156
+    // lines determine the mean to 8 %, and less accurately because of the tails of Student's
+    // distribution
     let found = mean_square_error(&outcome, BODY);
     assert!((0.75..1.75).contains(&found), "{found}");
-    // 2 (8 - 1), and hardly more for what the records cut off
+    // at least 2 (8 - 1), and hardly more due to truncation of the records
     let freedom = column(&outcome, "mobility", "degrees of freedom of the errors");
     let mut known: Vec<f64> = freedom.iter().copied().filter(|n| !n.is_nan()).collect();
     known.sort_by(f64::total_cmp);
@@ -68,7 +69,8 @@ fn hits_give_the_mobility_within_its_errors() {
     );
     let mass = quantity(&outcome, "mass by the low lines");
     let (apparent, error) = (mass.value.unwrap(), mass.standard_error.unwrap());
-    // the elastic term of fourth order, (f/1.74 kHz)^4 over the lines used, leaves up to 1 %
+    // the neglected elastic term of fourth order, (f/1.74 kHz)^4, causes an error of up to 1 % over
+    // the lines used
     assert!(
         mass.valid && (apparent - 1.5).abs() < 4.0 * error + 0.015,
         "{mass:?}"
@@ -81,7 +83,7 @@ fn hits_give_the_mobility_within_its_errors() {
     assert_eq!(figures_of(&outcome), "mobility, nyquist");
     outcome.warnings.must_begin("There is no impulse response");
 
-    // the universal file is read back as it was written, errors and all
+    // the universal file is read back with the same values and errors
     let attachment = &outcome.attachments[0];
     fs::write(folder.path().join(&attachment.name), &attachment.bytes).unwrap();
     let again = attempt(
@@ -99,7 +101,7 @@ fn hits_give_the_mobility_within_its_errors() {
     {
         assert!((there / here - 1.0).abs() < 1e-10);
     }
-    // the same bytes from the same sheet
+    // the same sheet gives the same bytes
     assert_eq!(
         json(&outcome),
         json(&attempt(folder.path(), &text).unwrap())
@@ -116,7 +118,7 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
     strike(folder.path(), "hit", with_head, HAMMER);
     let source = format!("Hits{}", hits("hit*.csv"));
     let loaded = attempt(folder.path(), &sheet(&source, WEIGHED)).unwrap();
-    // 40 g are 4 % of the struck mass, and the lines are known better
+    // the additional 40 g are 4 % of the struck mass, more than the errors of the lines
     assert!(mean_square_error(&loaded, BODY) > 10.0);
     let rest = format!(
         r#"{WEIGHED}, head_mass: "40 gram ± 0.5 gram", complete: (below: "100 Hz", fitted_to: "400 Hz")"#
@@ -129,8 +131,8 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
         .zip(column(&outcome, "mobility", "frequency"))
     {
         if *f > 0.0 && *f < 100.0 {
-            // the mass is exact here; the elastic term is (f/1.2 kHz)^2 = 0.7 % at most, and known
-            // to a few percent
+            // the stated mass is exact; the elastic term (f/1.2 kHz)^2 is at most 0.7 % and known
+            // to a few per cent
             let exact = BODY.mobility(*f);
             assert!((line / exact - 1.0).norm() < 1e-3, "{f} Hz");
         }
@@ -143,8 +145,8 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
         &outcome,
         "largest change by the uncertainty of the head mass",
     );
-    // dG/G = i omega G dm, up to 5 kHz at the resonance: it is of the order of 0.5 g over the modal
-    // mass
+    // dG/G = i omega G dm, largest at the resonance below 5 kHz: of the order of 0.5 g divided by
+    // the modal mass
     assert!((0.05..5.0).contains(&change.value.unwrap()), "{change:?}");
 }
 
@@ -168,7 +170,7 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
             .iter()
             .any(|w| w == "generates energy")
     );
-    // weighed with the wrong body on the balance
+    // the weighed mass is that of another body
     let outcome = attempt(
         folder.path(),
         &sheet(
@@ -181,7 +183,7 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
     let said = doubts(&outcome).join("; ");
     said.must_begin("screening: ");
     said.must_say("1.8");
-    // nothing is said of what holds it
+    // the support of the body is not stated
     let outcome = attempt(folder.path(), &sheet(&source, "")).unwrap();
     assert_eq!(
         outcome.warnings,
@@ -191,7 +193,7 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
     );
 }
 
-/// Low lines that were replaced by the weighed mass are no evidence for it.
+/// Lines that were replaced by those of the weighed mass do not confirm this mass.
 #[test]
 fn s5_a_wrong_mass_is_named_though_it_made_the_low_lines() {
     let folder = TempDir::new().unwrap();
@@ -206,7 +208,7 @@ fn s5_a_wrong_mass_is_named_though_it_made_the_low_lines() {
     assert_eq!(right.verdict, Verdict::Answered);
     let wrong = of("2.25 kg");
     let mass = quantity(&wrong, "mass by the low lines");
-    // at 0 kg/s it is 1.5 kg; the fit leaves 2e-4
+    // without a support it is 1.5 kg; the error of the fit is 2e-4
     assert!(
         !mass.valid && (mass.value.unwrap() - 1.5).abs() < 0.05,
         "{mass:?}"
@@ -218,7 +220,7 @@ fn s5_a_wrong_mass_is_named_though_it_made_the_low_lines() {
 #[test]
 fn s12_a_channel_that_is_5_us_early_or_late_is_found() {
     let folder = TempDir::new().unwrap();
-    // 0.05 % of the peak of the accelerometer
+    // noise of 0.05 % of the peak of the accelerometer
     let hammer = Hammer {
         noise: 0.1,
         ..HAMMER
@@ -312,7 +314,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     strike(folder.path(), "hit", BODY, HAMMER);
     let hit = fs::read_to_string(folder.path().join("hit3.csv")).unwrap();
     fs::write(folder.path().join("soft_hit.csv"), &hit).unwrap();
-    // other bytes, the same numbers
+    // a file with other bytes but the same numbers
     fs::write(folder.path().join("hit9.csv"), hit.clone() + "\n").unwrap();
     let one = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
     let said = attempt(folder.path(), &one).refused();
@@ -330,7 +332,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     );
     let said = attempt(folder.path(), &sheet(&two, WEIGHED)).refused();
     said.must_say("have the same content");
-    // and where a file is named in both
+    // the same if a file is listed for both hammers
     let two = two.replace("soft*.csv", "hit[12].csv");
     let said = attempt(folder.path(), &sheet(&two, WEIGHED)).refused();
     insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
@@ -358,8 +360,8 @@ fn a_soft_and_a_hard_hammer_become_one() {
         );
         let outcome = attempt(folder.path(), &sheet(&source, WEIGHED)).unwrap();
         let found = mean_square_error(&outcome, BODY);
-        // weights that are estimated from 8 hits each make the stated variance too small by a part
-        // of about 1/2
+        // because the weights are estimated from 8 hits each, the stated variance is too small by
+        // up to a half
         assert!((0.7..2.5).contains(&found), "{merge}: {found}");
         let share = column(&outcome, "mobility", "weight of the light hammer");
         for (f, share) in column(&outcome, "mobility", "frequency")
@@ -367,7 +369,8 @@ fn a_soft_and_a_hard_hammer_become_one() {
             .zip(share)
             .skip(1)
         {
-            // pulses of one height: the long one is larger below about the inverse of its length
+            // the pulses have the same height: the spectrum of the long one is larger below about
+            // the inverse of its duration
             if merge == "LargerForce" && *f < 400.0 {
                 assert!(share.abs() < 1e-12, "{f} Hz");
             } else if merge == "LargerForce" && *f > 1100.0 {
@@ -410,7 +413,7 @@ fn a_computed_mass_has_its_mobility_and_its_impulse_response() {
     let Cells::Numbers(impulse) = &outcome.tables[1].columns[1].cells else {
         unreachable!("numbers");
     };
-    // the kernel rounds the jump at time 0 by its damped transform: 3e-5 of it is left a step later
+    // the damped transform rounds the jump at time 0: an error of 3e-5 remains one step later
     assert!(impulse.iter().all(|v| (v * 2.0 - 1.0).abs() < 5e-5));
 }
 

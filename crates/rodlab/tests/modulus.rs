@@ -1,8 +1,8 @@
-//! The job `modulus` as a laboratory runs it, on virtual records whose truth is known.
+//! The job `modulus` on virtual records with known true values.
 //!
-//! The ends of the rod of paper A are by chain recursion and damped Fourier transform; the pulses
-//! in a long rod by explicit integration of masses, springs and dashpots. Neither uses the
-//! equations that the methods solve.
+//! The motions of the ends of the rod of paper A are computed by chain recursion and a damped
+//! Fourier transform, pulses in a long rod by explicit integration of masses, springs and dashpots.
+//! Neither uses the equations that the methods solve.
 
 mod doubts;
 mod ends;
@@ -23,7 +23,7 @@ use crate::runs::{
     Words, answered, column as numbers, doubts, json, outcome_of as run, quantity, table,
 };
 
-/// A sheet for the rod of paper A; hits in one long recording.
+/// A sheet for the rod of paper A, with all hits in one long recording.
 fn sheet(method: &str, rest: &str) -> String {
     format!(
         r#"Modulus(
@@ -66,8 +66,8 @@ fn is_valid(outcome: &Outcome) -> Vec<bool> {
     }
 }
 
-/// Every valid line against the truth: within the accepted limits of 1 % and 5 %, and for E'
-/// scattered according to its errors.
+/// Checks every valid line: its errors are within the limits of 1 % and 5 %, and those of E' agree
+/// with the standard errors. Returns the number of lines and the mean square of the errors of E'.
 fn check_lines(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f64) {
     let frequency = numbers(outcome, "modulus", "frequency");
     let storage = numbers(outcome, "modulus", "E'");
@@ -98,15 +98,16 @@ fn check_lines(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f
         count += 1;
     }
     assert!(count > 0);
-    // the errors of the specimen are in the standard errors but not in the records: at most what
-    // noise alone would be
+    // the standard errors include those of the specimen, which the records do not have: the mean
+    // square is at most that of noise alone
     let mean_square = squares / f64::from(count);
     assert!(mean_square < 1.5, "{mean_square} of {count} lines");
     (usize::try_from(count).unwrap(), mean_square)
 }
 
-/// Every line of the causal estimate against the truth, in its standard errors; returns their
-/// number, the root mean square of these and the median error of the loss factor.
+/// Compares every line of the causal estimate with the true modulus. Returns the number of lines,
+/// the root mean square of the errors in standard errors, and the median standard error of the loss
+/// factor.
 fn check_causal(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f64, f64) {
     let column = |name: &str| numbers(outcome, "causal", name);
     let (storage, loss) = (column("E'"), column("loss factor"));
@@ -135,13 +136,13 @@ fn check_causal(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, 
 fn the_template_is_a_sheet_that_runs() {
     let folder = TempDir::new().unwrap();
     virtual_rod::write_hits(folder.path(), 6, 2);
-    // these records are one long file, of sensors of 0.5 mV/g
+    // the records are one long file, from sensors of 0.5 mV/g
     let template = include_str!("../templates/modulus.ron")
         .replace("hit-*.npy", "hits.npy")
         .replace("10 mV/g", "0.5 mV/g")
         .replace("        // hits: (cut", "        hits: (cut");
     let outcome = answered(run(folder.path(), &template));
-    // two sensitivities of 1 % each, which the lines determine better
+    // two sensitivities with errors of 1 % each; the lines determine their ratio better
     let gain = quantity(&outcome, "error of the ratio of the sensitivities, found");
     assert!(gain.standard_error.unwrap() < 0.1, "{gain:?}");
     let columns: Vec<&str> = table(&outcome, "budget")
@@ -153,7 +154,7 @@ fn the_template_is_a_sheet_that_runs() {
         columns.contains(&"ratio of the sensitivities, of E'"),
         "{columns:?}"
     );
-    // text after // is understood, too; Poisson's ratio of the template is not that of the
+    // commented fields of the template are valid, too; its Poisson's ratio is not that of the
     // one-dimensional rig, which a causal estimate detects
     let causal = template.replace("    // causal: true", "    causal: true");
     answered(run(folder.path(), &causal));

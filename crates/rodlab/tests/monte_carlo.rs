@@ -1,5 +1,5 @@
-//! Standard errors against draws of the whole job: the two ways share the solvers and nothing of the
-//! propagation.
+//! Standard errors compared with draws of the whole job: the two methods share the solvers, but not
+//! the propagation of errors.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::runs::{Refused, Words, column, copy_example, outcome_of, table};
 
-/// The sheet of an example with `draws`, after `change`.
+/// Outcome of the sheet of an example with `draws` of a Monte Carlo calculation, after `change`.
 fn drawn(
     name: &str,
     sheet: &str,
@@ -40,7 +40,7 @@ fn verdicts(table: &Table) -> Vec<bool> {
         .unwrap()
 }
 
-/// Errors of a modulus by noise, length, diameter, density and mass, line by line.
+/// Errors of a modulus due to noise, length, diameter, density and mass, line by line.
 #[test]
 fn errors_of_a_modulus_are_the_scatter_of_its_draws() {
     let without_laws = |text: &str| {
@@ -59,11 +59,12 @@ fn errors_of_a_modulus_are_the_scatter_of_its_draws() {
         );
         let ratios: Vec<f64> = drawn.iter().zip(linear).map(|(a, b)| a / b).collect();
         let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-        // common errors are drawn 200 times for all lines: 5 % each, of which they share most
+        // common errors are drawn 200 times for all lines together, so that each ratio scatters by
+        // 5 %, most of it common to all lines
         assert!((mean - 1.0).abs() < 0.15, "{name}: {mean}");
         let valid = verdicts(lines);
         for (ratio, valid) in ratios.iter().zip(valid) {
-            // 5 % by chance, five of them
+            // the ratio scatters by 5 %; the limit is about five times as large
             assert!(!valid || (ratio - 1.0).abs() < 0.3, "{name}: {ratio}");
         }
     }
@@ -88,7 +89,7 @@ fn draws_do_not_depend_on_the_number_of_threads() {
     assert_eq!(alone, with(3));
 }
 
-/// A force, whose own bands are by draws, and laws of a sweep over temperatures.
+/// A force, whose bands are computed from draws, laws of a sweep over temperatures, and a bar.
 #[test]
 fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
     for (name, sheet, draws, number) in [
@@ -104,7 +105,8 @@ fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
         let at = names.iter().position(|own| own == number).unwrap();
         let linear = column(&outcome, "monte_carlo", "standard error")[at];
         let ratio = column(&outcome, "monte_carlo", "Monte Carlo standard error")[at] / linear;
-        // four standard errors of the scatter of 60 draws, and that of the 200 of the force itself
+        // four standard errors of the scatter of 60 draws, and the scatter of the 200 draws of the
+        // force itself
         assert!((ratio - 1.0).abs() < 0.4, "{name}: {ratio}");
     }
 }

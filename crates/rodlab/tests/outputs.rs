@@ -48,7 +48,7 @@ fn a_result_that_cannot_be_put_there_leaves_the_earlier_one_whole() {
     let folder = tempfile::tempdir().unwrap();
     let files = write(&rich::outcome(), folder.path()).unwrap();
     let mut outcome = rich::outcome();
-    // where a file should come there is a folder
+    // a folder has the name of a file to be written
     outcome.attachments[0].name = "in the way".into();
     fs::create_dir(folder.path().join("in the way")).unwrap();
     let error = refused(&outcome, folder.path());
@@ -99,7 +99,7 @@ fn a_file_of_somebody_else_is_not_replaced() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     fs::remove_file(&page).unwrap();
     let files = write(&rich::outcome(), folder.path()).unwrap();
-    // nor what the run itself has read, even if an earlier result lists it
+    // a file that the run has read is not replaced either, even if an earlier result lists it
     let read = &files[1..2];
     let again = output::write(&rich::outcome(), &rich::sheet(), folder.path(), read);
     let error = again.refused();
@@ -313,7 +313,7 @@ fn check(
     Ok(())
 }
 
-/// A property is known by its own words: they are different everywhere.
+/// A property is identified by its description, which is unique.
 fn id(schema: &Value) -> String {
     let words = schema["description"].as_str();
     words

@@ -23,7 +23,7 @@ fn records(text: &str) -> Records {
 fn load(folder: &Path, text: &str) -> Result<Loaded, String> {
     records(text)
         .load(folder, "records")
-        // where the folder is differs from run to run
+        // the path of the folder differs from run to run
         .map_err(|error| {
             error
                 .to_string()
@@ -62,7 +62,7 @@ fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
     for (name, scale) in [("b.npy", 2.0), ("a.npy", 1.0)] {
         write_npy(
             &folder.path().join(name),
-            // the first row is none that is used
+            // the first row is not used
             &[
                 &[0.0, 1.0, 2.0, 3.0],
                 &[0.0, 0.5 * scale, 0.25, 0.0],
@@ -87,7 +87,7 @@ fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
     let record = &loaded.records[1].record;
     assert_eq!(record.channels()[0].name(), "end A");
     assert_eq!(record.channels()[1].quantity(), Quantity::Force);
-    // 1 V over 2 mV/N, and -(4 - 1) V over 100 mV/g; two roundings each
+    // 1 V divided by 2 mV/N, and -(4 - 1) V divided by 100 mV/g, with two roundings each
     assert!((record.channel("hammer").unwrap()[1] / 500.0 - 1.0).abs() < 1e-15);
     assert!((record.channel("end A").unwrap()[2] / (-30.0 * 9.80665) - 1.0).abs() < 1e-15);
     assert!((record.sampling_rate_hz() - 8000.0).abs() < 1e-9);
@@ -148,7 +148,7 @@ fn a_hit_with_a_lost_sample_is_left_out_and_said_so() {
     let loaded = load(folder.path(), sheet).unwrap();
     let names: Vec<&str> = loaded.records.iter().map(|r| r.name.as_str()).collect();
     assert_eq!(names, ["a.npy", "c.npy"]);
-    // the files read are listed among the inputs nevertheless
+    // a file that is left out is listed among the inputs nevertheless
     assert_eq!(loaded.inputs.len(), 3);
     assert_eq!(loaded.left_out.len(), 1);
     assert!(!loaded.left_out[0].accepted && loaded.left_out[0].what == "b.npy");
@@ -184,7 +184,7 @@ fn a_file_that_is_missing_or_of_no_known_format_is_named() {
 #[test]
 fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     let folder = tempfile::tempdir().unwrap();
-    // 1/1024 s, rounded as a recorder does
+    // a step of 1/1024 s, rounded to microseconds as by a recorder
     fs::write(
         folder.path().join("hit.csv"),
         "Time (s),hammer (N),end A (g)\n0,0,0\n0.000977,40,1\n0.001954,10,2\n0.002931,0,1\n",
@@ -228,7 +228,8 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     ");
 }
 
-/// Times with so few digits that they repeat, and times in an unknown unit.
+/// Times with so few digits that they repeat, and times in an unknown unit: the message asks for
+/// the sampling rate.
 #[test]
 fn rounded_times_ask_for_the_sampling_rate() {
     let folder = tempfile::tempdir().unwrap();
@@ -304,7 +305,7 @@ fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
     }
     let mut lost = [hit(1.0), hit(2.0), hit(3.0)].concat();
     lost[4].ordinate = Ordinate::Real(vec![0.0, f64::NAN, 0.0]);
-    // text holds no NaN: a binary file does
+    // only a binary file can contain NaN
     let mut contents = Contents::of_format("test");
     contents.series = lost;
     let binary = Uff58Writer {
@@ -358,7 +359,7 @@ fn a_name_of_several_points_is_asked_to_be_exact() {
     insta::assert_snapshot!(said, @r"records.channels[0].from is `acceleration`, which belongs to several points, expected one of `acceleration 1+X`, `acceleration 2+X` (h.uff)");
 }
 
-/// A table that states its columns and its sampling itself.
+/// A table states the names of its columns and its sampling; sheets that contradict it are refused.
 #[test]
 fn names_and_times_of_the_file_contradict_no_sheet() {
     let folder = tempfile::tempdir().unwrap();
@@ -383,7 +384,7 @@ fn names_and_times_of_the_file_contradict_no_sheet() {
             r#"(files: ["hit.csv"], channels: [(name: "input", from: 1, unit: "N")])"#,
         ]
     ));
-    // the right names, and times in ms
+    // sheets that agree with the file: the right names, and the rate for times in ms
     for sheet in [
         sheet(
             "1 kHz",

@@ -1,4 +1,4 @@
-//! The job `recovery` as a laboratory runs it. The readings come from a march of the differential
+//! The job `recovery` on virtual readings. They are computed by integration of the differential
 //! equation of the dashpot, not from the closed form that is fitted to them.
 
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ use crate::runs::{
     refusal,
 };
 
-/// Polyoximethylene of paper C.
+/// Parameters of polyoximethylene in paper C.
 const SERIES_MODULUS: f64 = 3.1e9;
 const PARALLEL_MODULUS: f64 = 13_100.0;
 const COEFFICIENT: f64 = 4.55e-21;
@@ -66,7 +66,7 @@ fn changes(mut strain: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Normal deviates as the sum of twelve uniform ones, which is near enough for twelve readings.
+/// A nearly normal deviate, the sum of twelve uniform ones.
 fn noise(random: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
 }
@@ -79,7 +79,8 @@ fn sheet(folder: &Path, tests: &str, rest: &str) -> Result<Outcome, RodlabError>
     run(folder, &text)
 }
 
-/// Readings in the sheet for all loads but the last, which is read from a file.
+/// Tests for a sheet, with the readings of all loads in the sheet except those of the last one,
+/// which are in a file.
 fn five_tests(folder: &Path, seed: u64) -> String {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut tests = String::new();
@@ -134,15 +135,15 @@ fn five_tests_of_the_paper_give_its_parameters_within_their_errors() {
     ] {
         assert!(is_found(&outcome, name, truth, [3.0, 0.1]).valid);
     }
-    // B is extrapolated over seven decades of stress: no standard error of the value
+    // B is extrapolated over seven decades of stress and has no standard error
     let coefficient = quantity("coefficient (B)");
     assert!(coefficient.valid && coefficient.standard_error.is_none());
     coefficient.verdict.must_say("known to a factor of");
-    // 60 readings, three parameters: χ² has the mean 57 and the standard deviation 11
+    // for 60 readings and three parameters χ² has the mean 57 and the standard deviation 11
     let chi_square = quantity("chi-square of the readings").value.unwrap();
     assert!((chi_square - 57.0).abs() < 3.0 * 10.7, "{chi_square}");
 
-    // the periodic load, against a march through all of its 400 periods
+    // the periodic load is compared with an integration over all of its 400 periods
     let strain = march(0.0, |t| 32e6 + 13e6 * (TAU * 4.0 * t).sin(), 100.0, 40_000);
     let truth = changes(strain)[0];
     let predicted = quantity("change of the loss factor 60 s after Test 6, predicted");
@@ -175,9 +176,9 @@ fn one_load_does_not_tell_the_exponent_and_says_what_it_does_tell() {
     insta::assert_snapshot!(reason, @"parallel modulus is not identifiable: one load determines only two numbers, but the model has three parameters");
     let exponent = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
     assert!(exponent.is_some_and(|m| m.value.is_none() && !m.valid));
-    // but the recovery time of this load is a result
+    // the recovery time of this load is a result nevertheless
     let alone = quantity(&outcome, "recovery time, Test 1 alone");
-    // equation 5 for 45 MPa and half an hour
+    // expected from eq. 5 for 45 MPa and half an hour
     let rate = PARALLEL_MODULUS * COEFFICIENT;
     let strain = march(0.0, |_| 45e6, 1800.0, 5000);
     let stress = PARALLEL_MODULUS * strain;
@@ -216,13 +217,13 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
         let m = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
         m.unwrap().standard_error.unwrap()
     };
-    // errors of 0.00125 that were stated as 0.0004; the scatter gives the ratio to 9 % (one
+    // errors of 0.00125 were stated as 0.0004; the scatter determines the ratio to 9 % (one
     // standard deviation of 57 residuals)
     let ratio = error(&by_scatter) / error(&stated);
     assert!((ratio / (1.25 / 0.4) - 1.0).abs() < 0.28, "{ratio}");
 }
 
-/// The wrong duration of one load: each test follows its own curve, but no model follows all.
+/// The duration of one load is wrong: each test alone can be fitted, but no model fits all tests.
 #[test]
 fn tests_that_contradict_each_other_put_a_model_in_doubt() {
     let folder = TempDir::new().unwrap();

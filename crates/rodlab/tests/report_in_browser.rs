@@ -1,9 +1,8 @@
-//! The report as a person meets it: opened in a browser, pointed at, zoomed, on a large screen and
-//! on a small one.
+//! The report in a browser: opened, pointed at and zoomed, on a large screen and on a small one.
 //!
-//! The browser is chromium, google-chrome or the program that `RODLAB_BROWSER` names; without one
-//! the test reports that it is skipped. With `RODLAB_KEEP` set to a folder, the opened pages are
-//! kept there for inspection.
+//! The browser is chromium, google-chrome or the program that `RODLAB_BROWSER` names; without a
+//! browser the test reports that it is skipped. With `RODLAB_KEEP` set to a folder, the opened
+//! pages are kept there for inspection.
 
 use crate::rich;
 use std::io::Write as _;
@@ -15,9 +14,9 @@ use serde_json::Value;
 
 use crate::runs::Words;
 
-/// Catches what goes wrong from the first line of the page on.
+/// Script that records errors from the first line of the page on.
 const EARS: &str = include_str!("report_in_browser/ears.js");
-/// Does what a person does, and writes down what happens.
+/// Script that uses the page like a person and records the results.
 const HANDS: &str = include_str!("report_in_browser/hands.js");
 
 fn browser() -> Option<PathBuf> {
@@ -36,8 +35,7 @@ fn browser() -> Option<PathBuf> {
     .find(|program| program.is_file())
 }
 
-/// Opens the page in a window of `width`, light or dark, and returns the notes that its scripts
-/// took.
+/// Opens the page in a window of `width`, light or dark, and returns the records of its scripts.
 fn visit(browser: &PathBuf, width: u32, dark: bool) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let folder_kept = env::var_os("RODLAB_KEEP").map(PathBuf::from);
@@ -49,7 +47,7 @@ fn visit(browser: &PathBuf, width: u32, dark: bool) -> Value {
         .replace("<head>", &format!("<head><script>{EARS}</script>"))
         .replace("</body>", &format!("<script>{HANDS}</script></body>"));
     fs::write(folder.join("tried.html"), tried).unwrap();
-    // a window has a least width, a frame has none
+    // a window has a minimum width, a frame has none
     let frame = format!(
         r#"<!DOCTYPE html><title>frame</title><body style="margin:0"><iframe src="tried.html" style="border:0;width:{width}px;height:900px"></iframe><pre id="found"></pre>
 <script>addEventListener("message", (e) => (document.getElementById("found").textContent = e.data));</script>"#
@@ -103,7 +101,7 @@ fn words(found: &Value, key: &str) -> String {
         .to_owned()
 }
 
-/// The number behind `name` in what is read out.
+/// The number after `name` in the text that the page shows at the pointer.
 fn number(words: &str, name: &str) -> f64 {
     let (_, after) = words
         .split_once(&format!("{name} "))
@@ -127,7 +125,7 @@ fn number(words: &str, name: &str) -> f64 {
 #[test]
 fn a_person_reads_zooms_and_finds_nothing_broken() {
     let Some(browser) = browser() else {
-        // past the capture of the test harness, so that it is read
+        // written to the standard error directly, because the test harness captures other output
         let said = "skipped: no browser (chromium or google-chrome on PATH, or RODLAB_BROWSER)";
         writeln!(std::io::stderr(), "{said}").unwrap();
         return;
@@ -148,12 +146,12 @@ fn a_person_reads_zooms_and_finds_nothing_broken() {
             assert_eq!(found[key], Value::Array(vec![]), "{what} {here}");
         }
 
-        // the value under the pointer is that of the curve
+        // the value shown at the pointer is that of the curve
         let read = words(&found, "pointed");
         let (f, magnitude) = (number(&read, "frequency"), number(&read, "measured"));
         let truth = rich::figures::magnitude(f);
         assert!(
-            // five digits of f on a resonance, six of the data
+            // the frequency is shown with five digits, the data with six, near a resonance
             (magnitude / truth - 1.0).abs() < 1e-3,
             "{read}, but {truth} m/s/N at {f} Hz, {here}"
         );

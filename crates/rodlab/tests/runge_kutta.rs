@@ -1,6 +1,6 @@
 //! The classical Runge-Kutta method, which integrates virtual records in time.
 
-/// The state a step after `time`; `rate` is its derivative.
+/// Returns the state one step after `time`; `rate` is its derivative.
 pub(crate) fn after_step<const N: usize>(
     state: [f64; N],
     time: f64,

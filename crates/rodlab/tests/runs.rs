@@ -1,4 +1,4 @@
-//! Runs of a sheet or of the program, and what they found.
+//! Runs of sheets and of the program, and access to their results.
 
 use std::fs;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub(crate) fn outcome_of(folder: &Path, text: &str) -> Result<Outcome, RodlabErr
     job::run(&sheet, &Silent, &AtomicBool::new(false))
 }
 
-/// The text of the result of a sheet that is not on disk.
+/// The JSON text of an outcome, as of a sheet that is not on disk.
 pub(crate) fn json(outcome: &Outcome) -> String {
     let identity = SheetIdentity {
         file: "test.ron".to_owned(),
@@ -55,7 +55,7 @@ pub(crate) fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [
     }
 }
 
-/// The words of a column, those of a verdict too.
+/// The words of a column of words or verdicts.
 pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [String] {
     match cells(outcome, table, name) {
         Cells::Words(words) | Cells::Validity { words, .. } => words,
@@ -71,7 +71,8 @@ pub(crate) fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
     })
 }
 
-/// A quantity that is `truth` within so many standard errors of at most a share of it.
+/// The quantity with this name. Fails unless it differs from `truth` by at most the given number of
+/// standard errors, and its standard error is at most the given fraction of `truth`.
 #[track_caller]
 pub(crate) fn is_found<'a>(
     outcome: &'a Outcome,
@@ -142,7 +143,7 @@ pub(crate) fn refusal(outcome: &Outcome) -> &str {
     }
 }
 
-/// Words of an error.
+/// Access to the message of an error.
 pub(crate) trait Refused {
     /// Returns the message. Fails if there is no error.
     fn refused(self) -> String;
@@ -158,7 +159,7 @@ impl<T, E: std::fmt::Display> Refused for Result<T, E> {
     }
 }
 
-/// Assertions about what a program says. Of several texts, one has to say it.
+/// Assertions on texts. For several texts, one of them must satisfy the assertion.
 pub(crate) trait Words {
     /// Fails unless `part` is contained.
     fn must_say(&self, part: &str);
@@ -219,7 +220,7 @@ pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// What the program prints. Fails unless it ends with the status 0.
+/// Output of the program. Fails unless it ends with status 0.
 #[track_caller]
 pub(crate) fn done(folder: &Path, arguments: &[&str]) -> String {
     let run = rodlab(folder, arguments);
@@ -231,7 +232,7 @@ pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// An array of two axes in the format of NumPy, by its rows.
+/// Bytes of a two-dimensional array in the format of NumPy, from its rows.
 pub(crate) fn npy(rows: &[impl AsRef<[f64]>]) -> Vec<u8> {
     let columns = rows[0].as_ref().len();
     let shape = format!("({}, {columns})", rows.len());
@@ -270,7 +271,7 @@ pub(crate) fn write_columns(path: &Path, columns: &[Vec<f64>]) {
     fs::write(path, lines.join("\n")).unwrap();
 }
 
-/// A message with `FORMATS` in place of the names of all formats, which a new format changes.
+/// A message with `FORMATS` in place of the list of all formats, which a new format would change.
 pub(crate) fn without_formats(message: &str) -> String {
     let names = labio::format::readers().iter().map(|reader| reader.name());
     message.replace(&names.collect::<Vec<_>>().join(", "), "FORMATS")

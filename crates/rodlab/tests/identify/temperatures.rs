@@ -4,7 +4,7 @@ use super::*;
 use crate::runs::Words;
 
 /// Two tests at 20 and 45 degC of a rod whose rate grows with the temperature: the activation
-/// energy, and the message without one.
+/// energy is found, and without it a warning states the difference of the temperatures.
 #[test]
 fn an_activation_energy_is_found_from_two_temperatures() {
     let folder = TempDir::new().unwrap();

@@ -5,8 +5,8 @@ use rodlab::outcome::Quantity;
 use super::*;
 use crate::runs::Words;
 
-/// A rod of another length than 394 mm in each test, and a response that reads 2 % too much:
-/// refused unless stated, followed if stated.
+/// Rods of other lengths than the stated 394 mm, and a response that is 2 % too large: the tests
+/// are refused unless these errors are stated.
 #[test]
 fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
     let folder = TempDir::new().unwrap();
@@ -43,10 +43,10 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
         [relative(modulus), relative(viscosity)]
     };
     let exact = relative_error(["394 mm ± 0 mm"; 2], "1");
-    // the same rod twice: twice 0.5 %, besides density and noise
+    // the same rod in both tests: twice 0.5 %, in addition to density and noise
     let one = relative_error(["394 mm ± 0.5 %"; 2], "1");
     assert!((one[0] - 0.01_f64.hypot(exact[0])).abs() < 2e-4, "{one:?}");
-    // two rods of about equal weight; a length stated otherwise is another rod
+    // two rods of about equal weight: lengths written differently are those of different rods
     let two = relative_error(["394 mm ± 0.5 %", "394.0 mm ± 0.5 %"], "1");
     let half = 0.01 / 2.0_f64.sqrt();
     assert!((two[0] - half.hypot(exact[0])).abs() < 4e-4, "{two:?}");
@@ -65,8 +65,8 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
 fn transducers_that_err_more_than_stated_are_found() {
     let linear = Maxwell::new(4e6).unwrap();
     let nonlinear = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
-    // gain and delay of the response are all that a linear law needs; that of another needs the
-    // scale of the motion too
+    // a linear law depends only on gain and delay of the response; a nonlinear law depends on the
+    // scale of the motion, too
     let of_linear = transducers_found(&linear);
     assert_eq!(of_linear.verdict, Verdict::Answered, "{of_linear:?}");
     let of_nonlinear = transducers_found(&nonlinear);
@@ -74,7 +74,7 @@ fn transducers_that_err_more_than_stated_are_found() {
     assert!(is_in_doubt, "{of_nonlinear:?}");
 }
 
-/// The result with a sheet that takes off a gain and a delay that the records have not got, after a
+/// The result of a sheet that corrects a gain and a delay which the records do not have, after a
 /// check that both are found.
 fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
     let folder = TempDir::new().unwrap();
@@ -94,8 +94,8 @@ fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
         rest.and_then(|rest| rest.split(' ').next()?.parse().ok())
             .unwrap_or_else(|| panic!("{found}"))
     };
-    // 1/0.97 and 5 us, by which samples that were not late were moved; to some three times the
-    // errors that such records leave
+    // a gain of 1/0.97 and 5 us, the delay that the sheet corrects; the limits are about three
+    // standard errors
     let (gain, delay) = (
         after("a response that reads "),
         after("a delay of the response of "),

@@ -78,7 +78,7 @@ fn a_unit_that_is_wrong_by_g_is_named() {
     assert!(!said.contains("interchanged"), "{said}");
 }
 
-/// The loss factor is never known to 0.1 % here; E' is.
+/// On no line the loss factor is known to 0.1 %, but E' is.
 #[test]
 fn the_storage_modulus_is_stated_where_the_loss_factor_is_not_known() {
     let folder = TempDir::new().unwrap();
@@ -101,7 +101,7 @@ fn the_storage_modulus_is_stated_where_the_loss_factor_is_not_known() {
     assert!(apart.abs() < 3e9 * modulus.standard_error.unwrap()); // three standard errors
 }
 
-/// `hits.npy` of the folder under another name, each sample changed.
+/// Writes `hits.npy` of the folder under another name with every sample changed.
 fn again(folder: &Path, name: &str, change: impl Fn(f64) -> f64) {
     let mut bytes = fs::read(folder.join("hits.npy")).unwrap();
     let begin = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -128,7 +128,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
     insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"source.hits.records.channels[1].from is channel 1, expected another channel of hits.npy than channels[0]; if each channel has files of its own, state `files` in every channel");
 
-    // the same hits, stored with a fifth of the bits of noise less
+    // the same hits, rounded to coarser steps
     let step = 2e-7;
     again(folder.path(), "more.npy", |volts| {
         (volts / step).round() * step
@@ -141,7 +141,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     assert_eq!(copies.count(), 2, "{reasons:?}");
     reasons[0].must_say("hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s has ");
 
-    // what they may cause is stated after them
+    // a doubt that the copies may cause is stated after them
     let temperature = r#"temperature: (of_hits: ["20 degC", "21 degC", "22 degC", "23 degC"], reference: "20 degC", slope: "0.05 1/K ± 0.001 1/K"),"#;
     let warming = two_files.replace(BAND, &format!("{BAND} {temperature}"));
     let outcome = run(folder.path(), &warming).unwrap();
@@ -158,7 +158,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
 fn r10_hits_without_any_noise_are_refused() {
     let folder = TempDir::new().unwrap();
     virtual_rod::write_hits(folder.path(), 1, 7);
-    // the second hit is the first, filtered: no copy, and a coherence of 1
+    // the second hit is the first one filtered: it is not a copy, but the coherence is 1
     let mut bytes = fs::read(folder.path().join("hits.npy")).unwrap();
     let begin = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let half = (bytes.len() - begin) / 2;
@@ -169,7 +169,7 @@ fn r10_hits_without_any_noise_are_refused() {
             .map(|number| f64::from_le_bytes(number.try_into().unwrap()))
             .collect();
         for (n, number) in row.chunks_exact_mut(8).enumerate() {
-            // circular, as the transform is
+            // circular, like the discrete Fourier transform
             let before = samples[(n + samples.len() - 40) % samples.len()];
             number.copy_from_slice(&(samples[n] + 0.5 * before).to_le_bytes());
         }
@@ -201,7 +201,7 @@ fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
     band.unwrap()
         .must_say("aliases are suppressed up to 14 kHz");
     assert_eq!(checked(BAND).0, None);
-    // the blow has no power above 25 kHz: a wider band does not add lines to the checks
+    // the hit has no power above 25 kHz: a wider band does not add lines to the checks
     let (band, _) = checked(r#"band: (from: "50 Hz", to: "32 kHz"),"#);
     let band = band.unwrap();
     assert!(
@@ -271,7 +271,7 @@ fn what_is_wrong_is_said() {
         sheet(TWO_POINT, "laws: (laws: [Zener], most_lines: 0),"),
         sheet(TWO_POINT, "laws: (laws: []),"),
     ];
-    // not every method propagates every uncertainty of a rod
+    // these uncertainties are removed because not every method propagates them
     let exact = |text: &str| {
         let of_rod = [" ± 0.03 mm", " ± 0.29 mm", " ± 0.03 gram"];
         of_rod

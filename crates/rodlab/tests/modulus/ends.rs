@@ -1,4 +1,4 @@
-//! The modulus by the ratio of the accelerations of the ends.
+//! Modulus from the ratio of the accelerations of the ends.
 
 use std::fmt::Write as _;
 
@@ -25,7 +25,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let (count, _) = check_lines(&outcome, &rod);
     assert!(count > 700, "{count}");
 
-    // the first sentence, with the number of the table
+    // the first sentence states the modulus and the valid band
     outcome.summary[0].must_begin("E' = 2.");
     outcome.summary[0].must_say("valid from");
     let (value, error) = estimate(&outcome, "storage modulus at 4.992 kHz");
@@ -36,7 +36,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         .find(|q| q.name == "storage modulus at 40 kHz");
     assert!(beyond.is_some_and(|q| q.value.is_none() && !q.valid));
 
-    // all that was decided is in the log: ten hits, and the lines
+    // the log lists all decisions, on ten hits and on the lines
     let hits = outcome
         .log
         .iter()
@@ -74,7 +74,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let text_of = |index: usize| str::from_utf8(&outcome.attachments[index].bytes).unwrap();
     assert!(text_of(5).contains("** draw 1 of 2\n") && text_of(5) != text_of(8));
 
-    // the universal file is a source as good as the hits
+    // the universal file as a source gives the same result as the hits
     fs::write(
         folder.path().join("ratio.uff"),
         &outcome.attachments[0].bytes,
@@ -90,11 +90,11 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let other = run(folder.path(), &from_file).unwrap();
     let first = |outcome: &Outcome| numbers(outcome, "modulus", "E'").to_vec();
     for (a, b) in first(&other).iter().zip(first(&outcome)) {
-        // digits of the file, amplified where lines are singular
+        // rounding in the file, amplified on nearly singular lines
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     }
-    // a file does not contain the power of the noise, so its variances are not pooled over lines:
-    // some at the limits differ
+    // a file does not contain the power of the noise, so that variances are not pooled over lines:
+    // the validity of some lines near the limits differs
     let pairs = is_valid(&other).into_iter().zip(is_valid(&outcome));
     let (mut both, mut one) = (0, 0);
     for pair in pairs {
@@ -107,9 +107,9 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     assert_eq!(json(&again), json(&outcome));
 }
 
-/// A rod that warms by 1.5 K over six hits and softens by 0.3 % per kelvin, with times of the hits
-/// without information on it, is in doubt for the trend; with its temperatures the slope is found,
-/// and the modulus referred to the first.
+/// A rod that warms by 1.5 K over six hits and softens by 0.3 % per kelvin: without temperatures
+/// the result is in doubt because of the trend; with temperatures the slope is found, and the
+/// modulus is referred to the temperature of the first hit.
 #[test]
 fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() {
     let folder = TempDir::new().unwrap();
@@ -143,7 +143,7 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
         "{slope:?}"
     );
     check_lines(&outcome, &rod);
-    // a stated slope has an error of its own: 0.75 K times 0.001 1/K
+    // the error of a stated slope contributes 0.75 K times 0.001 1/K
     let stated = at(", reference: \"20 degC\", slope: \"-0.003 1/K ± 0.001 1/K\"").unwrap();
     let common = numbers(&stated, "modulus", "common error of E'");
     let moduli = numbers(&stated, "modulus", "E'");
@@ -172,9 +172,9 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
     refused.must_say("one temperature for each of the 6 hits");
 }
 
-/// A sensitivity wrong by 2 % and a stated but absent skew: within the stated errors the lines
-/// determine both; beyond, they contradict the sheet. A wrong mass on the free end would be
-/// absorbed by the errors of the sensors.
+/// A sensitivity that is wrong by 2 % and a stated time skew that does not exist: if the stated
+/// errors permit them, the lines determine both; otherwise they contradict the sheet. A wrong mass
+/// on the free end would be absorbed by the errors of the sensors.
 #[test]
 fn errors_of_the_sensors_are_found_and_taken_out() {
     let folder = TempDir::new().unwrap();
@@ -192,7 +192,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
     assert_eq!(right.verdict, Verdict::Answered);
     check_lines(&right, &rod);
     let (gain, error) = estimate(&right, "error of the ratio of the sensitivities, found");
-    // the denominator is read too small: four standard errors
+    // the denominator is 2 % too small; the limit is four standard errors
     assert!(
         (gain - 100.0 * 1.02_f64.ln()).abs() < 4.0 * error && error < 0.1,
         "{gain} {error}"
@@ -205,7 +205,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
 
     let reasons = doubts(&with("0.6 mV/g ± 1 %", "0 us")).join("; ");
     reasons.must_say("more than its stated uncertainty explains");
-    // samples that were not late are moved to later times
+    // the stated skew moves samples that were not late
     let reasons = doubts(&with("0.5 mV/g", "6 us ± 1 us")).join("; ");
     reasons.must_say_all(&[
         "according to the lines, the delay between the channels is ",
@@ -229,7 +229,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
     let reasons = doubts(&heavier).join("; ");
     reasons.must_say("the error of the mass on the free end is (1.0");
     let (mass, error) = estimate(&heavier, "error of the mass on the free end, found");
-    // 1.1 gram by the lines alone, drawn towards the stated 0 ± 0.04 gram
+    // the lines alone give 1.1 gram; the stated 0 ± 0.04 gram reduces this value
     let expected = 1.1 * (1.0 - (error / 0.04).powi(2));
     assert!(
         (mass - expected).abs() < 4.0 * error && error < 0.02,
@@ -251,7 +251,8 @@ fn the_causal_modulus_is_that_of_the_rod() {
     let (count, z, of_loss) = check_causal(&outcome, &rod);
     let valid = is_valid(&outcome).iter().filter(|valid| **valid).count();
     assert!(count > valid, "{count} {valid}");
-    // the errors of neighbours are one: few independent values
+    // the errors of neighbouring lines are strongly correlated, so that there are few independent
+    // values
     assert!(z < 1.8, "{z}");
     let mut of_lines = numbers(&outcome, "modulus", "standard error of the loss factor").to_vec();
     of_lines.sort_by(f64::total_cmp);
@@ -292,7 +293,7 @@ fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() 
 fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     let folder = TempDir::new().unwrap();
     let rod = virtual_rod::polypropylene();
-    // cosh γL without an accelerometer, exactly
+    // the exact ratio cosh γL without an accelerometer
     let mut file = "Frequency [Hz],real,imaginary,coherence\n".to_owned();
     for j in 1..=400 {
         let f = 25.0 * f64::from(j);
@@ -329,8 +330,8 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
         );
         assert!(without[line] >= with[line]);
     }
-    // the diameter is propagated through the correction, to leading order with twice its error, and
-    // has no effect without it
+    // the error of the diameter affects E' only by the correction, to leading order with twice its
+    // relative size
     let uncertain = text.replace("\"10 mm\"", "\"10 mm ± 1 %\"");
     let found = run(folder.path(), &uncertain).unwrap();
     let of_diameter = numbers(&found, "budget", "diameter, of E'");
@@ -355,8 +356,8 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     assert_eq!(json(&again), json(&outcome));
 }
 
-/// Records of a second, in which the rod moves for 60 ms: their rest is left out, which makes more
-/// of the band valid, and the valid lines are right.
+/// In records of one second the rod moves for 60 ms. The part after that is left out, which makes
+/// more of the band valid, and the valid lines are right.
 #[test]
 fn the_rest_at_the_end_of_long_hits_is_left_out() {
     let folder = TempDir::new().unwrap();

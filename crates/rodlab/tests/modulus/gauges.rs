@@ -1,10 +1,10 @@
-//! The modulus by strain gauges along a rod.
+//! Modulus from strain gauges along a rod.
 
 use super::*;
 use crate::runs::{Words, answered, refusal};
 use crate::virtual_rod::{FAST_RATE_HZ, LongRod};
 
-/// Gauges on a rod that is free at both ends, each hit in a file of its own.
+/// A sheet for gauges on a rod that is free at both ends, with each hit in its own file.
 fn gauge_sheet(method: &str, positions: &[(usize, &str)], rest: &str) -> String {
     let channels: Vec<String> = positions
         .iter()
@@ -47,8 +47,8 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
     let outcome = answered(run(folder.path(), &text));
     let (count, mean_square) = check_lines(&outcome, &rod);
     assert!(count > 400, "{count} {:?}", outcome.summary);
-    // the errors are due to noise alone, measured before the hits: over so many lines the mean is 1
-    // within a few per cent, and the noise is known to 10 %
+    // the errors are due to noise alone, which is measured before the hits and known to 10 %; over
+    // so many lines the mean square is 1 within a few per cent
     assert!((mean_square - 1.0).abs() < 0.35, "{mean_square}");
     let (count, z, _) = check_causal(&outcome, &rod);
     assert!(count > 400 && z < 1.8, "{count} {z}");
@@ -96,8 +96,8 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
 )"#
         )
     };
-    // the wave passes at 0.59 ms and 1.18 ms after the blow, and comes back to the second section
-    // at 2.37 ms
+    // the wave passes the sections 0.59 ms and 1.18 ms after the hit, and returns to the second
+    // section at 2.37 ms
     let two = r#"SeparatePulses(first: (channel: "first", from: "1.4 ms", to: "2.3 ms"), second: (channel: "second", from: "2.0 ms", to: "3.0 ms"), distance: "1000 mm ± 0.5 mm")"#;
     let one = r#"OneGauge(section: (channel: "second", from_free_end: "1000 mm"), incident: ("2.0 ms", "3.0 ms"), reflected: ("3.2 ms", "4.3 ms"))"#;
     for (method, fewest) in [(two, 10), (one, 10)] {
@@ -108,7 +108,7 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
         let mut count = 0;
         for (line, _) in is_valid(&outcome).iter().enumerate().filter(|(_, v)| **v) {
             let truth = exact(frequency[line]);
-            // the accepted errors, and what the discrete rod differs
+            // the permitted errors and those of the discrete rod
             assert!(
                 (1e9 * storage[line] / truth.re - 1.0).abs() < 0.011,
                 "{} Hz",
@@ -124,7 +124,7 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
         }
         assert!(count >= fewest, "{count}");
     }
-    // the reflected pulse at the second section, after the incident one
+    // the window contains the reflected pulse at the second section instead of the incident one
     let later = two.replace(
         r#"from: "2.0 ms", to: "3.0 ms""#,
         r#"from: "3.0 ms", to: "4.2 ms""#,

@@ -6,7 +6,7 @@ use rodlab::outcome::Cells;
 use super::*;
 use crate::runs::{copy_example, outcome_of};
 
-/// Records with a force and an acceleration from the files of these lists.
+/// A sheet of records with a force and an acceleration from the files of these lists.
 fn pair(of_force: &str, of_motion: &str) -> String {
     format!(
         r#"(sampling_rate: "1 kHz", channels: [
@@ -25,7 +25,7 @@ fn names(loaded: &Loaded) -> Vec<&str> {
     loaded.records.iter().map(|r| r.name.as_str()).collect()
 }
 
-/// Bits of all numbers of all tables, with their places.
+/// Bit patterns of all numbers in all tables, with their places.
 fn bits(outcome: &Outcome) -> Vec<(String, Vec<u64>)> {
     let mut all = Vec::new();
     for table in &outcome.tables {
@@ -39,7 +39,7 @@ fn bits(outcome: &Outcome) -> Vec<(String, Vec<u64>)> {
     all
 }
 
-/// A file holds the same doubles whether it has one channel or two, so no digit may differ.
+/// The results are equal to the last digit whether a file contains one channel or two.
 #[test]
 fn results_are_those_of_joined_files_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -85,7 +85,7 @@ fn results_are_those_of_joined_files_to_the_bit() {
         assert_eq!(of_separate.quantities, of_joined.quantities);
         assert_eq!(of_separate.summary, of_joined.summary);
         assert_eq!(of_separate.verdict, of_joined.verdict);
-        // every file is an input, with the pattern by which a later run finds new files
+        // every file is listed as an input with its pattern, by which a later run finds new files
         let inputs: Vec<(&str, Option<&str>)> = of_separate
             .inputs
             .iter()
@@ -98,7 +98,7 @@ fn results_are_those_of_joined_files_to_the_bit() {
     }
 }
 
-/// The order of the names of forces is not that of the names of motions.
+/// Files are paired if the names of forces and the names of motions are ordered differently.
 #[test]
 fn files_are_paired_by_the_matched_text_and_not_by_their_order() {
     let folder = tempfile::tempdir().unwrap();
@@ -117,7 +117,7 @@ fn files_are_paired_by_the_matched_text_and_not_by_their_order() {
         let of = |name| named.record.channel(name).unwrap()[1];
         assert_eq!([of("force"), of("motion")], [hit, -hit]);
     }
-    // several wildcards, folders
+    // patterns with several wildcards and with folders
     for (day, hit) in [(1, 1.0), (1, 2.0), (2, 1.0)] {
         for (channel, sign) in [("CH1", 1.0), ("CH2", -1.0)] {
             let within = here.join(format!("day{day}/{channel}"));
@@ -139,7 +139,7 @@ fn files_are_paired_by_the_matched_text_and_not_by_their_order() {
         let of = |name| named.record.channel(name).unwrap()[1];
         assert_eq!([of("force"), of("motion")], [peak, -peak], "{}", named.name);
     }
-    // names without wildcards are paired by their places
+    // names without wildcards are paired by their places in the lists
     let loaded = load(
         here,
         &pair(r#""2a.npy", "10a.npy""#, r#""2-b.npy", "10-b.npy""#),
@@ -173,7 +173,7 @@ fn two_channels_of_three_may_share_a_file() {
         let record = &named.record;
         let channels: Vec<&str> = record.channels().iter().map(|c| c.name()).collect();
         assert_eq!(channels, ["a", "b", "c"]);
-        // 1 V over 1 mV/N: two roundings
+        // 1 V divided by 1 mV/N, with two roundings
         assert!((record.samples()[[0, 1]] / (1000.0 * peak) - 1.0).abs() < 1e-15);
         assert_eq!(record.samples()[[1, 1]], 100.0 * peak);
         assert_eq!(record.samples()[[2, 1]], -10.0 * peak);
@@ -198,7 +198,7 @@ fn a_sample_lost_in_one_file_leaves_out_the_hit() {
         .warnings
         .must_begin("a-2.npy + b-2.npy is left out: b-2.npy: series 0");
     loaded.warnings.must_say("NaN at sample 1");
-    // without another hit it is an error, which names the channel
+    // if there is no other hit, it is an error that names the channel
     load(folder.path(), &pair(r#""a-2.npy""#, r#""b-2.npy""#))
         .unwrap_err()
         .must_begin("records.channels[1], b-2.npy: series 0");
@@ -211,7 +211,7 @@ fn write_universal(folder: &Path, name: &str, series: Vec<Series>) {
     format::write(folder.join(name), &contents, &Uff58Writer::default()).unwrap();
 }
 
-/// Records with the two channels of universal files.
+/// A sheet of records with two channels from universal files.
 fn of_universal(of_force: &str, of_motion: &str) -> String {
     format!(
         r#"(channels: [(name: "f", files: [{of_force}], from: 1), (name: "a", files: [{of_motion}], from: "end A")])"#
@@ -277,13 +277,13 @@ fn files_that_are_no_pairs_are_refused() {
     let said = refusals(
         here,
         &[
-            // partners
+            // files without a partner
             &of_universal(r#""force-*.uff""#, r#""free-*.uff""#),
             &of_universal(r#""free-*.uff""#, r#""force-*.uff""#),
             &of_universal(r#""force-*.uff""#, r#""late-*.uff""#),
             &of_universal(r#""force-1.uff", "force-2.uff""#, r#""free-1.uff""#),
             &of_universal(r#""force-*.uff""#, r#""none-*.uff""#),
-            // times
+            // different times
             &of_universal(force, r#""step.uff""#),
             &of_universal(force, r#""start.uff""#),
             &of_universal(force, r#""long.uff""#),

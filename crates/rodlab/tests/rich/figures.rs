@@ -1,4 +1,4 @@
-//! Figures with every mark and role, on both scales, with gaps, errors and greyed ranges.
+//! Figures with every kind of mark and role, on both scales, with gaps, errors and shaded ranges.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -135,7 +135,7 @@ pub(crate) fn response() -> Figure {
     )
 }
 
-/// Moduli with errors, bands, greyed ranges and lines that do not hold.
+/// Moduli with errors, bands, shaded ranges and invalid lines.
 pub(crate) fn moduli() -> Figure {
     let frequency = steps(80, 0.25, 10.0);
     let storage = |f: f64| 2.6 + 0.12 * f.ln();
@@ -238,8 +238,8 @@ pub(crate) fn nyquist() -> Figure {
     )
 }
 
-/// Figure of everything that is hard to draw: nothing, nothing that can be shown, one point, a
-/// constant, bands to infinity, unequal lengths.
+/// Figure of cases that are hard to draw: no data, no visible data, one point, a constant, infinite
+/// bands, unequal lengths.
 pub(crate) fn hardly_anything() -> Figure {
     let nan = f64::NAN;
     let shown = Panel::new(

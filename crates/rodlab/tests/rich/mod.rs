@@ -1,5 +1,5 @@
-//! An outcome that has everything an outcome can have: every mark, every role, both scales, gaps,
-//! words that are markup.
+//! An outcome with everything that an outcome can contain: every kind of mark and role, both
+//! scales, gaps, and texts that contain markup.
 
 pub(crate) mod figures;
 
