@@ -101,7 +101,7 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     assert_eq!(result["warnings"], serde_json::json!([]));
     let sentence = result["summary"][0].as_str().unwrap();
     sentence.must_say("loss factor 0.0");
-    // // the existing folder is not replaced
+    // the existing folder is not replaced
     let said = refused(folder.path(), &["demo", "first"]);
     said.must_begin("status 2\nerror: the folder of the demo is first, ");
     said.must_say("`rodlab demo first-2`");

@@ -110,7 +110,7 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     }
     assert!(!quantity(&outcome, "Arrhenius, activation energy").valid);
 
-    // // the law of the material and its parameters
+    // the law of the material and its parameters
     assert_eq!(words(&outcome, "laws", "law")[0], "fractional Zener");
     for (name, truth) in sweep.parameters() {
         let found = quantity(&outcome, &format!("fractional Zener, {name}"));

@@ -186,7 +186,7 @@ fn what_contradicts_the_noise_is_said() {
     let outcome = attempt(folder.path(), &text).unwrap();
     let reasons = doubts(&outcome);
     reasons[0].must_say("the noise is underestimated");
-    // // the frequency response is that of another body
+    // the frequency response is that of another body
     accelerance(
         folder.path(),
         Body {

@@ -1,5 +1,5 @@
-//! `rodlab shpb`: virtual shots through files and sheets, bad input with its words, and records of
-//! others.
+//! `rodlab shpb`: virtual shots evaluated from files and sheets, messages about bad input, and
+//! records of other laboratories.
 
 mod copper;
 mod records_of_others;
@@ -21,7 +21,7 @@ use crate::runs::{
 
 const RATE: f64 = 1e6;
 
-/// The bars of the template.
+/// The rig that the template describes.
 fn rig() -> HopkinsonRig {
     HopkinsonRig {
         step: 0.5e-6,
@@ -56,7 +56,7 @@ fn write(folder: &Path, gauges: &[Vec<f64>; 2]) {
     write_columns(&folder.join("shot.csv"), gauges);
 }
 
-/// The template, with the sampling rate that is not in the file.
+/// The template with the sampling rate, which the file does not contain.
 fn template() -> String {
     rodlab::templates::JobName::Shpb
         .template(rodlab::sheet::Language::Ron)
@@ -90,14 +90,16 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
             outside += usize::from((found - exact).abs() > half);
         }
     }
-    // the sheet is right: noise alone is outside, and it is small against the common errors
+    // the sheet is right, so that only noise is outside, and noise is small compared with the
+    // common errors
     assert!(all > 500 && outside * 20 < all, "{outside} of {all}");
     let table = table(&outcome, "budget");
-    // noise; factor, position of two gauges and one delay; two diameters; length and diameter of
-    // the specimen; density and modulus; tail and level; part above the band
+    // rows: noise; factors and positions of two gauges and one delay; two diameters; length and
+    // diameter of the specimen; density and modulus; tail and level; the part above the band
     assert_eq!(table.columns[0].cells.len(), 1 + 5 + 2 + 2 + 2 + 2 + 1);
     assert_eq!(outcome.figures.len(), 4);
-    // nylon attenuates: the same records with elastic bars are off by more than the line is wide
+    // because nylon attenuates waves, an evaluation of the same records with elastic bars differs
+    // visibly
     let panel = &outcome.figures[0].panels[0];
     let lines = panel.marks.iter().filter_map(|mark| match mark {
         Mark::Line { name, y, .. } => Some((name.as_str(), y)),
@@ -112,7 +114,8 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     assert!((ratio - 1.0).abs() > 0.02, "{ratio}");
 }
 
-/// Errors that act linearly are those of draws of all of them; too few draws are refused.
+/// Linearly propagated errors agree with draws in which all sources vary together; too few draws
+/// are refused.
 #[test]
 fn hopkinson_draws_stand_beside_linear_errors() {
     let folder = TempDir::new().unwrap();
@@ -122,14 +125,16 @@ fn hopkinson_draws_stand_beside_linear_errors() {
     for name in ["stress", "strain"] {
         let name = format!("check: standard error of the {name} by draws over the linear one");
         let found = quantity(&outcome, &name);
-        // 4 % of 300 draws, 7 % of the noise in the linear one: three of these
+        // the standard error from 300 draws is known to 4 %, the part of noise in the linear one to
+        // 7 %; the limit is three times both
         assert!((found.value.unwrap() - 1.0).abs() < 0.24, "{found:?}");
     }
     let refused = run(folder.path(), &with("3")).refused();
     refused.must_say("number of draws");
 }
 
-/// Three shots: the mean is the curve of the specimens, and a specimen of another material is seen.
+/// Three shots: the mean is the curve of the specimens, and a specimen of another material is
+/// detected.
 #[test]
 fn hopkinson_mean_of_three_shots() {
     let folder = TempDir::new().unwrap();
@@ -182,7 +187,7 @@ fn hopkinson_mean_of_three_shots() {
         column(&outcome, "mean", "mean stress"),
     );
     let half = column(&outcome, "mean", "95 % half width of the mean stress");
-    // the curves of single shots are next to it
+    // the tables and figures of the single shots are in the result, too
     assert_eq!(outcome.tables.len(), 1 + 3 * 4);
     assert_eq!(outcome.figures.len(), 1 + 3 * 4);
     assert!(column(&outcome, "stress_strain_3", "stress").len() > 500);
@@ -194,7 +199,7 @@ fn hopkinson_mean_of_three_shots() {
         let true_stress = 0.5e-6 * (forces[0][after] + forces[1][after]) / area;
         outside += usize::from((stress[at] - true_stress).abs() > half[at]);
     }
-    // the sheet is right but for noise, and states errors in common
+    // apart from noise the sheet is right, and it states common errors
     assert_eq!(outside, 0);
     let outcome = run(folder.path(), &with(["2", "4"], "")).unwrap();
     assert!(
@@ -230,7 +235,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
             &format!("channel: \"{bar} 1\", averaged_with: [\"{bar} 2\"]"),
         );
         for (side, sign) in [(1, 1.0), (2, -1.0)] {
-            // a bridge of two arms, V = k e / 2 for 1 V
+            // a bridge with two active arms: V = k e / 2 for 1 V
             let volts = samples.iter().enumerate().map(|(at, strain)| {
                 format!(
                     "{:e}",
@@ -262,7 +267,8 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
             assert!((a - b).abs() < 1e-9 * largest, "{name}: {a} {b}");
         }
     }
-    // two gauges of 0.5 % each have a mean within 0.35 %; the delay of the other sheet is not there
+    // the mean of two gauges with 0.5 % each has an error of 0.35 %; this sheet states no delay,
+    // unlike the other one
     let budget = |outcome: &Outcome| {
         let table = table(outcome, "budget");
         let (Cells::Words(names), Cells::Numbers(stress)) =
@@ -276,8 +282,8 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
     assert!((budget(&both) / budget(&single) - 0.5_f64.sqrt()).abs() < 1e-6);
 }
 
-/// Each mistake is named, with the standing that it deserves. The tests of impulse have the other
-/// findings on a shot.
+/// Each mistake is named, with the right standing. The other findings on a shot are tested in
+/// `impulse`.
 #[test]
 fn hopkinson_mistakes_are_named() {
     let folder = TempDir::new().unwrap();
@@ -398,7 +404,7 @@ fn between_nylon(title: &str, incident: &str, transmitted: &str) -> String {
     )
 }
 
-/// A virtual shot with a striker, from its sheet to the sheet that evaluates it.
+/// A virtual shot with a striker, evaluated by the sheet that the plan writes.
 #[test]
 fn hopkinson_virtual_shot_comes_back() {
     let folder = TempDir::new().unwrap();
@@ -424,7 +430,7 @@ fn hopkinson_virtual_shot_comes_back() {
             };
             let (t, y) = (&truth("time")[after - 1..], &truth(name)[after - 1..]);
             let exact = y[0] + (y[1] - y[0]) * (time - t[0]) / (t[1] - t[0]);
-            // the front is rounded by the band of 31 kHz
+            // the band limit of 31 kHz rounds the front
             if truth("strain")[after] > 0.01 {
                 let off = (value - exact).abs();
                 worst = worst.max(off / largest);
@@ -433,8 +439,8 @@ fn hopkinson_virtual_shot_comes_back() {
             }
         }
         println!("{name}: {worst:.4} of {largest:.4}, {outside} of {all} outside");
-        // the tail of the incident wave, about 0.2 % of it, is mistaken for the reflected one:
-        // 0.5 % of the strain, which the band includes
+        // the tail of the incident wave, about 0.2 % of it, is attributed to the reflected one: an
+        // error of 0.5 % of the strain, which the band includes
         assert!(worst < 0.012, "{name}: {worst}");
         assert!(outside * 10 < all, "{name}: {outside} of {all}");
     }
@@ -448,7 +454,7 @@ fn hopkinson_virtual_shot_comes_back() {
     }
 }
 
-/// A record in which a column of the samples is `by` samples late.
+/// Text of a record in which one column is delayed by `by` samples.
 fn delayed(text: &str, column: usize, by: usize) -> String {
     let is_row = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit());
     let (rows, head): (Vec<&str>, Vec<&str>) = text.lines().partition(is_row);
@@ -463,7 +469,7 @@ fn delayed(text: &str, column: usize, by: usize) -> String {
 }
 
 /// Two gauges on each bar, at positions known to 1 mm. One channel of the recorder is late, which
-/// the sheet does not state: before any wave returns, its gauge contradicts the other one.
+/// the sheet does not state: before any wave returns, its gauge contradicts the other gauge.
 #[test]
 fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
     let folder = TempDir::new().unwrap();
@@ -489,14 +495,14 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
         let words = format!("gauge 2 of the {side} bar records the waves ");
         let (_, after) = said.split_once(&words).unwrap_or_else(|| panic!("{said}"));
         let lag: f64 = after.split(' ').next().unwrap().parse().unwrap();
-        // samples of 2 us; the fit is linear in the lag, which costs 2 % of 8 us
+        // samples of 2 us; the fit is linear in the lag, which is an error of 2 % of 8 us
         assert!((lag - 2.0 * by as f64).abs() < 0.4, "{said}");
         assert!(after.contains("later than gauge 1 predicts"), "{said}");
     }
 }
 
 /// A polymer that hardens between steel bars: its stress is largest where the unloading begins, and
-/// there the forces are uncertain by a position known to 1 mm.
+/// there the forces are uncertain because of a position known to 1 mm.
 #[test]
 fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
     let folder = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! Virtual tests from sheets: the records, and what the commands find that evaluate them.
+//! Virtual tests from sheets: their records, and the results of their evaluation.
 
 use std::fs;
 use std::path::Path;
@@ -49,7 +49,7 @@ fn refused(text: &str) -> String {
     attempt(Path::new("."), text).refused()
 }
 
-/// Writes the files, and runs the sheet `name` among them.
+/// Writes the files of a virtual test and runs the sheet `name` among them.
 fn evaluated(
     made: &Outcome,
     folder: &Path,
@@ -63,7 +63,7 @@ fn evaluated(
     attempt(folder, &text).unwrap_or_else(|error| unreachable!("{error}\n{text}"))
 }
 
-/// The sheet that the plan has written, with further fields.
+/// The sheet that the plan has written, with further `fields`.
 fn with_fields(text: &str, fields: &str) -> String {
     text.replace("\n    ],\n)", &format!("\n    ],\n    {fields},\n)"))
 }
@@ -83,8 +83,8 @@ fn polypropylene(frequency_hz: f64) -> (f64, f64) {
     (magnitude * angle.cos(), 0.07)
 }
 
-/// Differences of storage modulus and loss factor from the truth at the valid lines, in standard
-/// errors.
+/// Differences of storage modulus and loss factor from the true values on the valid lines, in
+/// standard errors.
 fn off_in_standard_errors(found: &Outcome) -> Vec<[f64; 2]> {
     let of = |name: &str| column(found, "modulus", name);
     let validity = words(found, "modulus", "validity");
@@ -109,9 +109,9 @@ fn statistics(off: &[[f64; 2]], part: usize) -> (f64, f64) {
     (mean, square.sqrt())
 }
 
-/// The modulus is the true one within its errors: of some hundred lines the mean is known to 0.1
-/// and the root mean square to 0.05 of a standard error; neighbouring lines are not quite
-/// independent, and the error of an error from ten hits adds some percent.
+/// Asserts that the modulus agrees with the true one within its errors. For some hundred lines the
+/// mean is known to 0.1 and the root mean square to 0.05 of a standard error; neighbouring lines
+/// are not quite independent, and errors estimated from ten hits add some per cent.
 fn assert_modulus_is_that_of_polypropylene(found: &Outcome, lines: usize) {
     assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.summary);
     let off = off_in_standard_errors(found);
@@ -154,7 +154,7 @@ fn both_ends_give_the_modulus_that_was_put_in() {
             [names[0], names[9], names[10]],
             ["records-01.csv", "records-10.csv", "modulus.ron"]
         );
-        // the table of the truth is that of the closed form
+        // the table of true values agrees with the closed form
         let frequency = column(&made, "true-modulus", "frequency");
         for (f, e) in frequency
             .iter()
@@ -164,7 +164,7 @@ fn both_ends_give_the_modulus_that_was_put_in() {
         }
         let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
         assert_modulus_is_that_of_polypropylene(&found, 300);
-        // no check gives a false alarm
+        // no check fails
         assert!(
             !found
                 .warnings
@@ -223,14 +223,14 @@ fn a_hammer_gives_the_mobility_of_a_free_rod() {
     let (mut squares, mut lines) = (0.0, 0);
     for (line, f) in of("frequency").iter().enumerate() {
         let error = 1e-2 * of("random error of the magnitude")[line];
-        // where the error is large the coherence of ten hits gives it only roughly
+        // a large error is known only roughly from the coherence of ten hits
         if !(50.0..=12e3).contains(f) || error.is_nan() || error >= 0.1 {
             continue;
         }
         let omega = std::f64::consts::TAU * f;
         let (storage, loss) = polypropylene(*f);
         let speed = (Complex64::new(storage, loss * storage) / 912.0).sqrt();
-        // of a free rod: coth(i omega L/c) over its impedance
+        // mobility of a free rod: coth(i omega L/c) divided by its impedance
         let exact = 1.0 / ((Complex64::i() * omega * 0.2 / speed).tanh() * 912.0 * area * speed);
         let measured = Complex64::new(
             of("real part of mobility")[line],
@@ -240,7 +240,7 @@ fn a_hammer_gives_the_mobility_of_a_free_rod() {
         lines += 1;
     }
     assert!(lines > 300, "{lines}");
-    // the error of the magnitude is one of the two parts of that of the complex number
+    // the squared error of the complex value is twice that of the magnitude
     let mean = 0.5 * squares / f64::from(lines);
     assert!((0.7..1.4).contains(&mean), "{mean}");
 }
@@ -278,7 +278,7 @@ fn a_projectile_gives_the_law_that_was_put_in() {
         let before = column(&made, "balances", "energy of the striker before")[0];
         let after = column(&made, "balances", "energy at the end")[0];
         let dissipated = column(&made, "balances", "energy dissipated")[0];
-        // closing the gap costs what two half cells have
+        // the contact, when the gap closes, dissipates the energy of two half cells
         assert!(((after + dissipated) / before - 1.0).abs() < 0.02);
         assert!(made.figures.iter().any(|figure| figure.name == "sections"));
         let found = evaluated(&made, folder.path(), "identify.ron", quick);
@@ -288,7 +288,7 @@ fn a_projectile_gives_the_law_that_was_put_in() {
         ] {
             is_found(&found, name, truth, [3.0, 0.2]);
         }
-        // had its own solver made the records, it would not take them
+        // records made by the inverting solver are refused
         let crime =
             |text: String| quick(text).replace("rodwave::lumped", "rodwave::characteristics");
         let text = crime(fs::read_to_string(folder.path().join("identify.ron")).unwrap());
@@ -297,7 +297,7 @@ fn a_projectile_gives_the_law_that_was_put_in() {
     }
 }
 
-/// The plan of a rod of Norton's law.
+/// A plan for a rod with Norton's law.
 fn norton_at_two_velocities() -> String {
     let norton = r#"Norton(exponent: "1.8", rate_at_10_mpa: "20 1/s")"#;
     sheet(&[PROJECTILE])
@@ -307,7 +307,7 @@ fn norton_at_two_velocities() -> String {
 }
 
 /// The sheet that evaluates a nonlinear rod states the recorder of the plan, stated or taken by
-/// default: without it E and exponent are off by many of their errors.
+/// default: without it E and exponent would be off by many of their errors.
 #[test]
 fn the_recorder_of_the_plan_is_part_of_its_evaluation() {
     let folder = TempDir::new().unwrap();
@@ -330,8 +330,8 @@ fn the_recorder_of_the_plan_is_part_of_its_evaluation() {
     }
 }
 
-/// The test that is planned next, made and evaluated with those made before, has the errors that the
-/// plan foretold, to a fifth.
+/// The planned next test, computed and evaluated together with the earlier tests, has the predicted
+/// errors within a fifth.
 #[test]
 fn a_planned_test_tells_as_much_as_was_foretold() {
     let folder = TempDir::new().unwrap();
@@ -352,8 +352,8 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
     let planned = evaluated(&made, folder.path(), "identify.ron", planning);
     let named = |name: &str| column(&planned, "next_tests", name).to_vec();
     let kappa = named("standard error of exponent");
-    // none, and two sections behind two strikers; more tests are never worse than none, and the best
-    // comes first
+    // rows: no further test, and tests with two sections and two strikers; a further test never
+    // increases the error, and the best one is first
     assert_eq!(kappa.len(), 5, "{:#?}", planned.summary);
     assert!(kappa[1..].iter().all(|then| *then < kappa[0]), "{kappa:?}");
     assert!(kappa[1..].is_sorted(), "{kappa:?}");
@@ -383,7 +383,7 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
         tests_of(&read(&next_folder.join("identify.ron"))).replace("files: [\"", "files: [\"next/");
     let length = named("impact velocity")[1];
     assert!(length > 0.0);
-    // the rod of the planned test, in its own entry
+    // the entry of the planned test has its own rod
     let section = read(&next_folder.join("identify.ron"));
     let own = section
         .split("specimen: (")
@@ -405,7 +405,7 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
     assert!((ratio - 1.0).abs() < 0.2, "{ratio} {kappa:?}");
 }
 
-/// The sheet of a struck rod of this law behind the filter of a recorder.
+/// The sheet of a virtual test of a rod with this law, recorded through a filter.
 fn through_a_recorder(law: &str, velocities: &str) -> String {
     sheet(&[PROJECTILE])
         .replace(r#"law: Maxwell(viscosity: "4 MPa s"),"#, law)
@@ -417,7 +417,7 @@ fn through_a_recorder(law: &str, velocities: &str) -> String {
         )
 }
 
-/// Eyring's law, named by the sheet, is compared with the standard ones and found again.
+/// Eyring's law, if the sheet names it, is compared with the standard laws and identified.
 #[test]
 fn a_rod_of_eyring_is_found_again() {
     let folder = TempDir::new().unwrap();
@@ -440,7 +440,8 @@ fn a_rod_of_eyring_is_found_again() {
     }
 }
 
-/// A spring beside a Norton branch, found through the recorder that the plan has.
+/// A spring in parallel with a Norton branch is identified from records with the filter of the
+/// plan.
 #[test]
 fn a_spring_beside_the_law_is_found_again() {
     let folder = TempDir::new().unwrap();
@@ -501,7 +502,7 @@ fn the_seed_and_nothing_else_decides() {
         ]
     );
     assert_ne!(first.attachments[0].bytes, other.attachments[0].bytes);
-    // the same numbers in every format
+    // every format contains the same numbers
     let samples = |outcome: &Outcome| -> Vec<Vec<f64>> {
         let contents = labio::format::read_bytes(&outcome.attachments[1].bytes).unwrap();
         contents
@@ -514,7 +515,7 @@ fn the_seed_and_nothing_else_decides() {
         let made = of(&format!(r#"output: "one.{format}""#));
         assert_eq!(made.attachments[1].name, format!("one-2.{format}"));
         assert!(samples(&made) == samples(&first), "{format}");
-        // and the sheet states what the file does not
+        // the sheet states everything that the file does not contain
         let folder = TempDir::new().unwrap();
         let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
         assert_eq!(found.inputs.len(), 2, "{format}");

@@ -1,5 +1,5 @@
-//! One shot on a long bar: records of known truth, computed with waves between free ends, gauges, a
-//! filter, noise and a converter.
+//! One shot on a long bar: records with known true values, computed with waves between free ends,
+//! gauges, a filter, noise and a converter.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::runs::{
     write_columns,
 };
 
-/// Gauges of 250 kHz in the columns of a table of text.
+/// Writes the records of the gauges, multiplied by `factor`, as columns of a text table.
 fn write(folder: &Path, rows: &[Vec<f64>], factor: f64) {
     let scaled = rows
         .iter()
@@ -56,7 +56,8 @@ fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
     numbers(outcome, "modulus", name)
 }
 
-/// Valid lines, and how many of them lie outside 1.96 stated errors of E' and of the loss factor.
+/// Number of valid lines, and numbers of those that are off by more than 1.96 stated errors of E'
+/// and of the loss factor.
 fn outside(outcome: &Outcome) -> [usize; 3] {
     let words = words(outcome, "modulus", "validity");
     let mut found = [0; 3];
@@ -78,10 +79,11 @@ fn outside(outcome: &Outcome) -> [usize; 3] {
     found
 }
 
-/// Fails if there are hardly any valid lines, or too many of them are outside.
+/// Fails if there are at most `fewest` valid lines, or too many of them are outside.
 fn covers(outcome: &Outcome, fewest: usize) {
     let [lines, storage, loss] = outside(outcome);
-    // one line in twenty, and some twelve go together
+    // one line in twenty is expected outside; the errors of about twelve neighbouring lines are
+    // correlated
     assert!(
         lines > fewest && storage <= lines / 6 && loss <= lines / 6,
         "{lines} {storage} {loss}"
@@ -109,7 +111,7 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
         "{gain:?}"
     );
 
-    // the same bar as a laboratory has it that multiplies its strains by a modulus and the area
+    // the same bar with records of forces, strains multiplied by modulus and area
     write(
         folder.path(),
         &LongBar::glassy().shot(&[1.0, 1.025], 7),
@@ -123,13 +125,13 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
     let (a, b) = (column(&strains, "E'"), column(&forces, "E'"));
     assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6 * a.abs()));
 
-    // a stated window in the place of the one that the ringing needs
+    // a stated window instead of the one chosen for the ringing
     let window = format!("{SILENT} exponential_window: Some(EndWeight(weight: \"0.01 %\")),");
     let stated = run(folder.path(), &sheet(BEFORE_END, units, &window)).unwrap();
     covers(&stated, 35);
 }
 
-/// An accelerometer of 20 g on the end, stated to 2 %, of which the true one is 0.3 g heavier.
+/// An accelerometer on the end, stated as 20 g ± 2 %, which is truly 0.3 g heavier.
 #[test]
 fn a_mass_on_the_end_is_its_condition() {
     let folder = TempDir::new().unwrap();
@@ -146,14 +148,14 @@ fn a_mass_on_the_end_is_its_condition() {
     let stated = run(folder.path(), &with_mass(&free, "20 gram ± 0.4 gram")).unwrap();
     covers(&stated, 35);
     stated.summary.must_say("accelerometer mass (");
-    // if its end is assumed free, the bar is another one
+    // if the end is assumed free, the modulus is wrong
     let free = run(folder.path(), &free).unwrap();
     let [lines, storage, _] = outside(&free);
     assert!(
         free.verdict != Verdict::Answered || 2 * storage > lines,
         "{lines} {storage}"
     );
-    // three gauges have no need of the end, and do not follow its error
+    // with three gauges the end is not needed, and its error has no effect
     let three = BEFORE_END.replace(
         r#"(channel: "g2", at: "2000 mm")"#,
         r#"(channel: "g2", at: "2000 mm"), (channel: "g2", at: "2200 mm")"#,
@@ -163,7 +165,8 @@ fn a_mass_on_the_end_is_its_condition() {
     refused.must_say("accelerometer_mass");
 }
 
-/// Pulses that have passed before anything returns: a short blow, gauges far from the end.
+/// Pulses that have passed before a reflection returns: a short impact, and gauges far from the
+/// end.
 #[test]
 fn one_shot_has_its_errors_from_the_silence() {
     let folder = TempDir::new().unwrap();
@@ -178,7 +181,7 @@ fn one_shot_has_its_errors_from_the_silence() {
     let outcome = answered(run(folder.path(), &sheet(pulses, units, SILENT)));
     covers(&outcome, 40);
 
-    // without a known silence one hit gives no information on its errors
+    // without a known silence a single hit gives no information on its errors
     let outcome = run(folder.path(), &sheet(pulses, units, "")).unwrap();
     let reason = refusal(&outcome);
     reason.must_say("state in `source.hits.silent`");
@@ -248,7 +251,7 @@ fn lines_valid_within_limits_keep_them() {
         let [usual, most] = [part.len() * 19 / 20, part.len() - 1].map(|at| part[at]);
         println!("{name}: {} lines, {usual:.3}, {most:.3}", part.len());
         assert!(part.len() > 50, "{name}: {} lines", part.len());
-        // the noise of some twelve lines goes together
+        // the noise of about twelve neighbouring lines is correlated
         assert!(usual < 0.5 && most < 1.0, "{name}: {usual} {most}");
     }
 }
@@ -257,7 +260,7 @@ fn lines_valid_within_limits_keep_them() {
 #[test]
 fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let bar = RingingRod::steel(1e-4);
-    // 2 ms of rest before the blow
+    // 2 ms of rest before the hit
     let exact = [vec![0.0; 96], bar.ringing(48_000)].concat();
     let folder = TempDir::new().unwrap();
     write(folder.path(), &[RingingRod::recorded(&exact, 1e-3, 8)], 1.0);
@@ -280,7 +283,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     for (line, frequency) in frequency.iter().enumerate() {
         let truth = bar.modulus_at(Complex64::new(0.0, TAU * frequency));
         let storage = 1e9 * column(&outcome, "E'")[line] / truth.re - 1.0;
-        // density 0.026 %, length 0.007 %
+        // the error is due to the density, 0.026 %, and the length, 0.007 %
         let error = 1e9 * column(&outcome, "standard error of E'")[line] / truth.re;
         assert!(
             storage.abs() < 1e-6 && (2e-4..4e-4).contains(&error),
@@ -296,13 +299,14 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let modes = |outcome: &Outcome, name| numbers(outcome, "modes", name).to_vec();
     assert_eq!(modes(&outcome, "mode"), [1.0, 2.0, 3.0, 4.0]);
     for (decay, frequency) in modes(&outcome, "decay rate").iter().zip(frequency) {
-        // half the loss factor, to four standard errors of a hundredth of it
+        // the relative decay rate is half the loss factor; the limit is four standard errors of a
+        // hundredth
         assert!(
             (decay / (0.5e-4 * TAU * frequency) - 1.0).abs() < 0.04,
             "{decay}"
         );
     }
-    // a band does not number the modes again
+    // the numbers of the modes do not depend on the band
     let above = with(
         "4 ms",
         "5000 m/s",
@@ -310,7 +314,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     )
     .unwrap();
     assert_eq!(modes(&above, "mode"), [2.0, 3.0, 4.0]);
-    // two modes leave the loss without a check
+    // two modes are too few for a check of the loss
     let unchecked = "Fewer than three lines or modes are valid";
     let two = r#"band: (from: "6 kHz", to: "14 kHz"),"#;
     let two = with("4 ms", "5000 m/s", two).unwrap();
@@ -318,7 +322,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     two.warnings.must_begin(unchecked);
     assert!(!above.warnings.iter().any(|w| w.starts_with(unchecked)));
     assert_eq!(column(&above, "E'"), &column(&outcome, "E'")[1..]);
-    // a guess that takes the second mode for the first
+    // a guess of the wave speed for which the second mode would be the first
     let Verdict::InDoubt { reasons } = with("4 ms", "9000 m/s", "").unwrap().verdict else {
         panic!("modes were numbered wrongly")
     };
@@ -333,8 +337,8 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     );
 }
 
-/// One shot on a bar of steel, two gauges before its free end: the speed of its waves, and no
-/// attenuation that there is not.
+/// One shot on a steel bar with two gauges before its free end: the wave speed is found, and no
+/// attenuation.
 #[test]
 fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
     let bar = LongBar {
@@ -374,7 +378,8 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
             squares += speed * speed;
         }
     }
-    // the check of passivity accuses 3 of 60 other records, each a loss of 0 within its errors
+    // the check of passivity fails for 3 of 60 other records, each with a loss of 0 within its
+    // errors
     assert!(answered >= 17, "{answered} of 20");
     let [lines, speed, loss] = counts;
     let off = (squares / lines as f64).sqrt();
@@ -383,6 +388,6 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
         lines > 200 && off < 5e-4,
         "{lines} lines, {off:e} of the wave speed"
     );
-    // one in twenty, and the noise of some lines goes together
+    // one line in twenty is expected outside, and the noise of some lines is correlated
     assert!(speed < lines / 8 && loss < lines / 8, "{counts:?}");
 }

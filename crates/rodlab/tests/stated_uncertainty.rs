@@ -1,8 +1,8 @@
-//! A stated uncertainty reaches the result, or the sheet is refused: every quantity of every kind
-//! of sheet is stated with one.
+//! A stated uncertainty changes the result, or the sheet is refused: this is tested for every
+//! quantity in every kind of sheet.
 //!
-//! The quantities are found in the texts of the sheets, and the fields that take an uncertainty in
-//! the sources: nothing is listed here.
+//! The quantities are found in the texts of the sheets, and the fields that accept an uncertainty
+//! in the source code; there is no list of them here.
 
 use crate::two_masses;
 
@@ -23,14 +23,14 @@ use two_masses::{BODY, HAMMER, Hammer, attempt, strike};
 
 use crate::runs::{Refused, Words, write_columns};
 
-/// A text in quotes with the field that it belongs to.
+/// A quoted text in a sheet, with its field.
 struct Quoted {
     field: String,
-    /// Without the quotes.
+    /// Range of the text, without the quotes.
     place: Range<usize>,
 }
 
-/// All texts in quotes of a sheet, without its comments.
+/// All quoted texts of a sheet, except in comments.
 fn quoted(text: &str) -> Vec<Quoted> {
     let mut found = Vec::new();
     // the field at each depth of brackets
@@ -86,8 +86,8 @@ fn quantity(text: &str) -> Option<(f64, &str)> {
     is_unit.then_some((number, unit))
 }
 
-/// The quantity with an uncertainty that no sheet states: 3 % of it, or where it is 0 a thousandth
-/// of its unit.
+/// The quantity with an uncertainty that no sheet states: 3 % of its value, or a thousandth of its
+/// unit if it is 0.
 fn uncertain(text: &str) -> Option<String> {
     let (number, unit) = quantity(text)?;
     let stated = text.split('±').next().unwrap().trim();
@@ -115,7 +115,7 @@ fn sources(folder: &Path) -> String {
     all
 }
 
-/// Names of the fields and variants of sheets with a type whose text holds `of`.
+/// Names of the fields and variants of sheets whose type contains one of the texts `of`.
 fn declared(sources: &str, of: &[&str]) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for line in sources.lines().map(str::trim) {
@@ -137,7 +137,7 @@ fn declared(sources: &str, of: &[&str]) -> BTreeSet<String> {
     found
 }
 
-/// Fields that take an uncertainty, as the sources declare them.
+/// Fields that accept an uncertainty, as declared in the source code.
 fn taking_an_uncertainty() -> BTreeSet<String> {
     let of_crate = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
     let found = declared(&of_crate, &["Stated<", "Option<Sensitivity>"]);
@@ -156,7 +156,7 @@ fn texts() -> BTreeSet<String> {
     found
 }
 
-/// Everything that was found, as another program reads it: quantities and tables.
+/// All numbers of an outcome as JSON: verdict, quantities and tables.
 fn numbers(outcome: &Outcome) -> String {
     let whole = serde_json::to_value(outcome).unwrap();
     format!(
@@ -165,7 +165,7 @@ fn numbers(outcome: &Outcome) -> String {
     )
 }
 
-/// Fields whose uncertainty changed the numbers of an outcome, and what is wrong.
+/// Fields whose uncertainty changed the numbers of an outcome, and the faults found.
 #[derive(Default)]
 struct Walked {
     followed: BTreeSet<String>,
@@ -174,8 +174,8 @@ struct Walked {
 }
 
 impl Walked {
-    /// States an uncertainty of each quantity of the sheet, one after the other. Each must change
-    /// the numbers of the outcome, or be refused with words about it.
+    /// States an uncertainty for each quantity of the sheet, one after the other. Each must change
+    /// the numbers of the outcome, or be refused with a message about it.
     fn walk(&mut self, folder: &Path, text: &str, [taking, texts]: [&BTreeSet<String>; 2]) {
         let before = match attempt(folder, text) {
             Ok(before) => before,
@@ -256,7 +256,7 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
     vec![(folder, ends), (frame.clone(), three), (frame, several)]
 }
 
-/// A sheet for the modulus from one shot, by two gauges before a free end.
+/// Sheets for the modulus from one shot, with two gauges before a free end.
 fn modulus_of_a_shot(folder: &Path) -> [(PathBuf, String); 2] {
     let rows = testbed::long_bar::LongBar::glassy().shot(&[1.0, 1.0], 1);
     write_columns(&folder.join("shot.csv"), &rows);
@@ -272,8 +272,8 @@ fn modulus_of_a_shot(folder: &Path) -> [(PathBuf, String); 2] {
     [text, bar].map(|text| (folder.to_owned(), text.to_owned()))
 }
 
-/// Sheets for the modulus from ratios in closed form, by each method that takes one, with and
-/// without a mass on the end.
+/// Sheets for the modulus from ratios in closed form, for each method that accepts a ratio, with
+/// and without a mass on the end.
 fn moduli_of_ratios(folder: &Path) -> Vec<(PathBuf, String)> {
     let gamma = |f: f64| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0);
     let write = |name: &str, ratio: &dyn Fn(f64) -> Complex64| {
@@ -285,7 +285,7 @@ fn moduli_of_ratios(folder: &Path) -> Vec<(PathBuf, String)> {
         }
         fs::write(folder.join(name), file).unwrap();
     };
-    // strains at the free end vanish: motions
+    // ratio of motions, because strains vanish at the free end
     write("end.csv", &|f| {
         (gamma(f) * 0.6).cosh() / (gamma(f) * 0.2).cosh()
     });
@@ -328,7 +328,7 @@ fn moduli_of_ratios(folder: &Path) -> Vec<(PathBuf, String)> {
     sheets
 }
 
-/// Sheets about a body of two masses that is struck.
+/// Sheets about hits on a body of two masses.
 fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
     let hammer = Hammer { hits: 4, ..HAMMER };
     strike(folder, "hit", BODY, hammer);
@@ -354,7 +354,7 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         record: (files: ["hit2.csv"], channels: [(name: "face", from: "acceleration", sensitivity: "1")]), response: "face",
         noise: White("0.5 m/s2"), acting: (from: "3.5 ms", to: "5 ms"), uncertainty: (draws: 200, seed: 1, level: "95 %")))"#
         .replace("RECORDS", channels);
-    // the same body by its points, with a rigid mass behind
+    // the same body with measured points, as a member of an assembly
     let points = measured.replace(
         r#"Measured(file: "body.uff", support: Free(mass: "1.5 kg"), scale_uncertainty: "1 %", front_impedance: "5000 kg/s")"#,
         r#"Assembly(face: "head, face", joints: [], members: [(name: "head", measured: (points: ["face"], support: Free(mass: "1.5 kg"), mobilities: [
@@ -367,7 +367,7 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         .to_vec()
 }
 
-/// Impacts of computed bodies of every element and law, through every contact.
+/// Sheets for impacts of computed bodies with every element, law and contact.
 fn impacts() -> Vec<(PathBuf, String)> {
     let impact = |materials: &str, problem: &str| {
         format!(
@@ -410,7 +410,7 @@ fn impacts() -> Vec<(PathBuf, String)> {
     .to_vec()
 }
 
-/// A tube between bars in torsion, with one gauge a bar.
+/// A sheet for a tube between bars in torsion, with one gauge per bar.
 fn twisted_tube(folder: &Path) -> (PathBuf, String) {
     let pulse = |n: f64| {
         let inside = (0.0..150.0).contains(&n);
@@ -475,7 +475,7 @@ fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     }
     assert!(walked.wrong.is_empty(), "{}", walked.wrong.join("\n\n"));
     assert!(walked.n_quantities > 200, "{}", walked.n_quantities);
-    // a field that is declared to take an uncertainty was seen to follow it
+    // every field that is declared to accept an uncertainty has changed a result
     let unseen: Vec<&String> = declared.difference(&walked.followed).collect();
     assert!(
         unseen.is_empty(),
@@ -483,8 +483,8 @@ fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     );
 }
 
-/// Templates and plans state what no sheet above does; where they are read they are refused, or are
-/// of a field that follows it above.
+/// Templates and plans contain fields that no sheet above states: with an uncertainty, they are
+/// refused or their field is among those that change a result above.
 #[test]
 fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_it() {
     let mut sheets: Vec<String> = JobName::ALL
@@ -508,7 +508,7 @@ fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_i
                     "`{stated}` of {field} is read, and nothing follows it"
                 ),
                 Err(error) => {
-                    // its place in the text is shown
+                    // the error has a place in the text
                     assert!(error.line() > 1, "{error}");
                     n_refused += 1;
                 }
@@ -518,7 +518,7 @@ fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_i
     assert!(n_refused > 60, "{n_refused}");
 }
 
-/// The place, the value, the reason and what is possible instead.
+/// The refusal states the place, the value, the reason and an alternative.
 #[test]
 fn r08_the_refusal_says_why_and_what_to_do() {
     let refused = |text: &str| parse(Path::new("s.ron"), text).refused();

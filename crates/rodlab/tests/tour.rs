@@ -15,7 +15,7 @@ struct Step {
     said: Vec<String>,
 }
 
-/// The blocks marked `sh`, each with the block marked `text` that follows it.
+/// Returns the blocks marked `sh`, each with the block marked `text` that follows it.
 fn steps(page: &str) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     let mut inside = None;
@@ -124,7 +124,7 @@ fn the_tour_can_be_walked() {
     pictures(place.path(), &crate_folder.join("../../docs/figures"));
 }
 
-/// The pictures of the README and the figures of the examples that they are.
+/// The pictures of the README and the figures of the examples that they show.
 const PICTURES: [(&str, &str); 7] = [
     ("rodlab-modulus", "polypropylene/rod-result/modulus"),
     ("frame-modulus", "frame/modulus-result/modulus"),
@@ -138,10 +138,11 @@ const PICTURES: [(&str, &str); 7] = [
     ("shpb-stress_strain", "shpb/shpb-result/stress_strain"),
 ];
 
-/// Compares the words of the pictures with those of the examples that were run; with
+/// Compares the texts of the pictures with those of the examples that were run; with
 /// `RODLAB_PICTURES=write` replaces the pictures.
 fn pictures(examples: &Path, pictures: &Path) {
-    // the places of curves may differ by a tenth of a point on another processor
+    // only texts are compared: coordinates of curves may differ by a tenth of a point between
+    // processors
     let words = |path: &Path| -> Vec<String> {
         let svg =
             fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));

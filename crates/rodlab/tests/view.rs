@@ -16,7 +16,7 @@ use tempfile::TempDir;
 
 use crate::runs::{Words, copy_example};
 
-/// A sheet that is served from a thread.
+/// A sheet served by `rodlab view` in a thread.
 struct Served {
     folder: TempDir,
     sheet: PathBuf,
@@ -51,7 +51,7 @@ impl Served {
         }
     }
 
-    /// Status, head and body of the answer to a request that is written by hand.
+    /// Status, head and body of the answer to the bytes of a request.
     fn answer(&self, request: &[u8]) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.write_all(request).unwrap();
@@ -109,8 +109,8 @@ impl Drop for Served {
     }
 }
 
-/// Other users of the machine, pages of other sites and names that lead here from elsewhere get
-/// nothing, and change nothing.
+/// Other users of the machine, pages of other sites and requests with another host name get no data
+/// and change nothing.
 #[test]
 fn strangers_are_refused() {
     let served = Served::of("rod.toml");
@@ -138,7 +138,7 @@ fn strangers_are_refused() {
     assert_eq!(fs::read_to_string(&served.sheet).unwrap(), text);
 }
 
-/// Bytes that are no request, or too long for one, are refused before they are read.
+/// Bytes that are not a request, or too long, are refused before they are read.
 #[test]
 fn what_is_no_request_is_refused() {
     let served = Served::of("rod.toml");
@@ -171,7 +171,7 @@ fn what_is_no_request_is_refused() {
         served.post_from(&format!("http://{host}"), "rule", "{").0,
         400
     );
-    // and the next one is answered
+    // the next request is answered
     assert_eq!(served.get("").0, 200);
 }
 
@@ -204,12 +204,12 @@ fn the_page_shows_the_report_of_the_job() {
         .unwrap();
     assert!(run.code().is_some_and(|code| code != 2));
     assert_eq!(report, fs::read(folder.join("report.html")).unwrap());
-    // without the laws it is the same sheet, and this is stated
+    // the evaluation without laws has the same headline and is marked as a part
     let quick = served.evaluate(&text, true);
     let parts = [&found, &quick].map(|found| found["isPart"].as_bool().unwrap());
     assert_eq!(parts, [false, true]);
     assert_eq!(quick["headline"], found["headline"]);
-    // the places of values are those of the text, as scripts count
+    // the places of values are counted in UTF-16 units, as in scripts
     let units: Vec<u16> = text.encode_utf16().collect();
     let length = found["values"].as_array().unwrap().iter();
     let length = length
@@ -246,7 +246,7 @@ fn mistakes_are_shown_at_their_lines() {
     );
 }
 
-/// A hit that is rejected is left out of the result, and comes back.
+/// A hit that is rejected is left out of the result, and can be accepted again.
 #[test]
 fn hits_are_rejected_and_accepted() {
     for sheet in ["rod.toml", "modulus.ron"] {
@@ -279,8 +279,8 @@ fn hits_are_rejected_and_accepted() {
     }
 }
 
-/// The sheet is written where it was read, never over a change that the page has not seen, and not
-/// where it may not be.
+/// The sheet is written to its file, but not over changes that the page has not read, and not if
+/// the file is read-only.
 #[test]
 fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
     let served = Served::of("rod.toml");
@@ -293,7 +293,7 @@ fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
         longer,
         "{saved}"
     );
-    // another program writes
+    // another program writes to the sheet
     fs::write(&served.sheet, "# mine\n").unwrap();
     let again = json!({ "text": text, "was": saved["hash"] }).to_string();
     let refused = served.post("save", &again);
@@ -305,7 +305,7 @@ fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
         "{refused}"
     );
     assert_eq!(fs::read_to_string(&served.sheet).unwrap(), "# mine\n");
-    // a sheet that may not be changed
+    // a read-only sheet
     let (_, hash) = served.sheet();
     let mut permissions = fs::metadata(&served.sheet).unwrap().permissions();
     permissions.set_readonly(true);
@@ -315,7 +315,7 @@ fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
     assert_eq!(fs::read_to_string(&served.sheet).unwrap(), "# mine\n");
 }
 
-/// The command prints the address, serves it, and ends by an interruption with status 0.
+/// The command prints the address, serves it, and ends with status 0 when it is interrupted.
 #[cfg(unix)]
 #[test]
 fn the_command_serves_until_it_is_interrupted() {

@@ -28,7 +28,7 @@ function hands(found) {
   found.dark = matchMedia("(prefers-color-scheme: dark)").matches;
   found.too_wide = Math.max(0, document.documentElement.scrollWidth - innerWidth);
 
-  // the script and the file have the same numbers at their vertical axes, if the heights are equal
+  // the script and the file have the same numbers at their vertical axes if the heights are equal
   found.disagree = [];
   figures.forEach((figure, i) => {
     const still = new DOMParser().parseFromString(figure.querySelector("noscript").textContent, "text/html");
@@ -37,7 +37,7 @@ function hands(found) {
     if (i !== 3 && (here !== there || !here)) found.disagree.push(`${here} | ${there}`);
   });
 
-  // texts of one drawing neither touch each other nor leave it
+  // texts of a drawing do not overlap and are not cut off
   found.overlaps = [];
   found.cut_off = [];
   figures.flatMap(panels).forEach((panel) => {
@@ -51,7 +51,7 @@ function hands(found) {
     });
   });
 
-  // contrast after WCAG 2: 4.5 for text, 3 for curves that matter
+  // contrast according to WCAG 2: 4.5 for text, 3 for curves of data
   const light = (color) => {
     const [r, g, b] = color.match(/[\d.]+/g).map((v) => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -116,7 +116,7 @@ function hands(found) {
   found.pinched = ticks(one);
   press("reset");
 
-  // what a printer gets: letters of their size, and the same on screen afterwards
+  // printing changes the width of the drawing, and the screen is restored afterwards
   const wide = () => svg(one).viewBox.baseVal.width;
   const screen = wide();
   dispatchEvent(new Event("beforeprint"));
@@ -124,7 +124,7 @@ function hands(found) {
   dispatchEvent(new Event("afterprint"));
   if (wide() !== screen) heard.push(`${screen} pixels before printing, ${wide()} afterwards`);
 
-  // as far as one can go, with what is hard to draw
+  // extreme zooms of figures that are hard to draw
   [...panels(figures[2]).slice(0, 1), ...panels(figures[4])].forEach((panel) => {
     [0.2, 0.5, 0.8].forEach((x) => pointer(panel, "move", x, 0.5));
     const buttons = [...panel.querySelectorAll(".tools button")];

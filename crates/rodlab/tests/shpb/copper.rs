@@ -1,5 +1,5 @@
-//! Copper between steel bars by finite elements of others: six passages of the pulse, one gauge a
-//! bar, and the velocities of both faces.
+//! Copper between steel bars, computed with finite elements by other authors: six passages of the
+//! pulse, one gauge per bar, and the velocities of both faces.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -23,7 +23,7 @@ const STEEL: (f64, f64) = (7850.0, 5122.7);
 const SECTIONS: f64 = 4.0;
 /// Interval of the samples \[s\].
 const STEP: f64 = 2.5e-6;
-/// Powers of two from which on their clock counts in coarser steps \[s\].
+/// Powers of two after which the authors' times increase in coarser steps \[s\].
 const COARSER: [f64; 2] = [1.0 / 1024.0, 1.0 / 512.0];
 
 /// Columns of the record.
@@ -33,7 +33,7 @@ struct Elements {
 }
 
 impl Elements {
-    /// The record; `None`, and a word, where it is not there.
+    /// Reads the record; prints a message and returns `None` if it does not exist.
     fn read() -> Option<Self> {
         let path = measured::folder()?.join("shpb").join(NAME);
         if !path.exists() {
@@ -55,8 +55,8 @@ impl Elements {
         self.rows.iter().map(|row| row[at]).collect()
     }
 
-    /// A column at `wanted` times \[s\], by polynomials through eight of its samples at the `times`
-    /// given for them.
+    /// A column interpolated at `wanted` times \[s\], by polynomials through eight of its samples,
+    /// which are at `times`.
     fn interpolated(
         &self,
         name: &str,
@@ -85,8 +85,9 @@ impl Elements {
         self.interpolated(name, times, (0..n).map(|at| STEP * at as f64))
     }
 
-    /// Times \[s\] with all increments as long as between 1/4096 s and 1/2048 s: after 1/1024 s
-    /// they count as 340/339 of that, after 1/512 s as 336/339.
+    /// Times \[s\] corrected so that all increments are as long as between 1/4096 s and 1/2048 s.
+    /// In the record the increments are longer by 340/339 after 1/1024 s, and by 336/339 after
+    /// 1/512 s.
     fn mended_times(&self) -> Vec<f64> {
         let [first, second] = COARSER;
         let mend = |t: f64| {
@@ -131,8 +132,8 @@ fn evaluated(folder: &Path, gauges: &[Vec<f64>; 2], poisson_ratio: &str) -> Outc
     outcome
 }
 
-/// Samples with the low-pass of the evaluation: half amplitude at `band` \[Hz\], from 0.75 to 1.25
-/// of it a raised cosine.
+/// Samples after the low-pass of the evaluation: a raised cosine from 0.75 to 1.25 of `band`
+/// \[Hz\], where the amplitude is a half.
 fn low_passed(samples: &[f64], band: f64) -> Vec<f64> {
     let n = 4096;
     let mut transform = RealFourier::new(n);
@@ -150,11 +151,11 @@ fn low_passed(samples: &[f64], band: f64) -> Vec<f64> {
     transform.inverse()[..samples.len()].to_vec()
 }
 
-/// The record of the elements beside what was found from their gauges.
+/// Comparison of the record of the elements with the result from their gauges.
 struct Compared {
-    /// Difference over velocity, root mean squares.
+    /// Root mean square of the difference divided by that of the velocity.
     off: f64,
-    /// Parts in the 95 % band, of the first loading and of all passages.
+    /// Fractions of the samples in the 95 % band, of the first loading and of all passages.
     inside: [f64; 2],
 }
 
@@ -201,9 +202,9 @@ fn increment(times: &[f64], from: f64, to: f64) -> u32 {
     steps.fold(0, divisor)
 }
 
-/// Their time is a sum in single precision: the same increment counts as 339 units, then as 85 of
-/// four times the size, then as 42 of eight times. The period of the pulse in the free bar shows
-/// this too.
+/// The times of the record are sums in single precision: the same increment is rounded to 339
+/// units, then to 85 units of four times the size, then to 42 units of eight times the size. The
+/// period of the pulse in the free bar shows this, too.
 #[test]
 fn hopkinson_copper_has_a_clock_of_single_precision() {
     let Some(elements) = Elements::read() else {
@@ -215,12 +216,11 @@ fn hopkinson_copper_has_a_clock_of_single_precision() {
     let increments = [
         increment(&times, 0.25 * first, 0.5 * first),
         increment(&times, first, second),
-        // the last increment is cut to end at 2 ms
+        // the last increment is shortened to end at 2 ms
         increment(&times, second, 1.999e-3),
     ];
     assert_eq!(increments, [339, 85, 42]);
-    // passages of the pulse by the end of the transmitted bar, which nothing touches but for a
-    // moment
+    // passages of the pulse at the end of the transmitted bar, which is free except for a moment
     let name = "transmitted_end_mean_v3_mm_per_s";
     for [from, to] in [[1360e-6, 1580e-6], [1750e-6, 1930e-6]] {
         let at = |lag: f64| {
@@ -235,7 +235,8 @@ fn hopkinson_copper_has_a_clock_of_single_precision() {
         };
         let lags = (0..140).map(|k| 388e-6 + 0.05e-6 * f64::from(k));
         let period = lags.min_by(|a, b| unlike(*a).total_cmp(&unlike(*b)));
-        // 2 L/c is 390.42 us, and 391.57 us by their clock; dispersion at 20 kHz is 0.35 us
+        // 2 L/c is 390.42 us, or 391.57 us in the times of the record; dispersion at 20 kHz is
+        // 0.35 us
         let expected = 2.0 / STEEL.1 * 340.0 / 339.0;
         let off = period.unwrap() - expected;
         println!("{off:e}");
@@ -243,8 +244,8 @@ fn hopkinson_copper_has_a_clock_of_single_precision() {
     }
 }
 
-/// The velocities of the faces are those of the elements, in one band and with one clock; their
-/// elements have the dispersion of a round bar.
+/// The velocities of the faces agree with those of the elements in the same band and with corrected
+/// times; the elements have the dispersion of a round bar.
 #[test]
 fn hopkinson_copper_has_the_velocities_of_its_faces() {
     let Some(elements) = Elements::read() else {
@@ -281,26 +282,27 @@ fn hopkinson_copper_has_the_velocities_of_its_faces() {
         }
         found
     });
-    // their samples have 2 % above the band, most of it rung up by the specimen that hits the end
-    // at 1190 us and 1610 us; their clock comes next
+    // 2 % of the elements' velocity is above the band, mostly excited when the specimen hits the
+    // end at 1190 us and 1610 us; the next largest difference is that of the times
     let [unfiltered, their_clock, found, long_waves] = transmitted;
     assert!(unfiltered.inside[1] < 0.85 && unfiltered.off > 0.02);
     assert!(their_clock.inside[1] > 0.95 && their_clock.off > 0.009);
-    // the gauges of elements have no error, those of the sheet have 1 %: more than 0.95 is right
+    // the gauges of the elements have no error, those of the sheet 1 %, so that a fraction above
+    // 0.95 is right
     assert!(found.inside[0] > 0.95 && found.inside[1] > 0.97);
     assert!(found.off < 0.007, "{}", found.off);
-    // without the dispersion of Pochhammer and Chree the waves are off by four times as much
+    // without the dispersion of Pochhammer and Chree the difference is four times as large
     assert!(long_waves.off > 3.0 * found.off);
-    // the other face needs the force of this one besides, which is its own only while the specimen
-    // bears
+    // the velocity of the other face also depends on the force of this one, which acts on it only
+    // while the specimen transmits the force
     let [.., found, _] = incident;
     assert!(found.inside[0] > 0.95 && found.inside[1] > 0.95);
     assert!(found.off < 0.07, "{}", found.off);
 }
 
-/// Stress of the specimen by four ways: ours, rho c v of the transmitted end, its gauge, and the
-/// mean stress of the elements on the grown section. What the authors call the reference is less by
-/// a tenth.
+/// Stress of the specimen from four sources: the evaluation, rho c v of the transmitted end, the
+/// gauge there, and the mean stress of the elements on the enlarged section. The stress that the
+/// authors call the reference is smaller by a tenth.
 #[test]
 fn hopkinson_copper_has_another_stress_than_its_reference() {
     let Some(elements) = Elements::read() else {

@@ -1,4 +1,4 @@
-//! Measured shots of other laboratories, read from their files as they are.
+//! Measured shots of other laboratories, read from their unchanged files.
 
 use std::fs;
 
@@ -9,8 +9,8 @@ use testbed::measured;
 use super::{column, run};
 use crate::runs::{Words, without_formats};
 
-/// The outcome of a sheet in a folder with copies of measured files; `None`, and a word, where they
-/// are not there.
+/// The outcome of a sheet in a folder with copies of measured files; prints a message and returns
+/// `None` if they do not exist.
 fn outcome(files: &[&str], sheet: &str) -> Option<Outcome> {
     let data = measured::folder()?;
     let folder = TempDir::new().unwrap();
@@ -32,14 +32,14 @@ fn quantity(outcome: &Outcome, name: &str) -> f64 {
     found.unwrap().value.unwrap()
 }
 
-/// Status and words of the standing.
+/// Exit status and headline of the standing.
 fn standing(outcome: &Outcome) -> (u8, String) {
     let words = outcome.verdict.headline(&outcome.summary);
     (outcome.verdict.standing().exit_status(), words)
 }
 
-/// Impulse of the incident over that of the transmitted face, and the root mean square of their
-/// difference over the largest force, between two times \[µs\].
+/// Impulse on the incident face divided by that on the transmitted face, and the root mean square
+/// of the difference of the forces divided by the largest force, between two times \[µs\].
 fn balance(outcome: &Outcome, from: f64, to: f64) -> [f64; 2] {
     let force = |face: &str| column(outcome, "faces", &format!("force of the {face} face"));
     let time = column(outcome, "faces", "time");
@@ -60,14 +60,14 @@ fn balance(outcome: &Outcome, from: f64, to: f64) -> [f64; 2] {
     [sums[0] / sums[1], f64::sqrt(square / n) / largest]
 }
 
-/// Wave speed [m/s] from the incident to the reflected front at a gauge so far [m] from the
-/// specimen, of which `stated` was supposed.
+/// Wave speed [m/s] from the arrivals of the incident and the reflected front at a gauge at
+/// `distance` \[m\] from the specimen; `stated` is the speed that the evaluation assumed.
 fn speed(outcome: &Outcome, distance: f64, stated: f64) -> f64 {
     let arrival = |wave: &str| 1e-6 * quantity(outcome, &format!("arrival of the {wave} wave"));
     2.0 * distance / (2.0 * distance / stated + arrival("reflected") - arrival("incident"))
 }
 
-/// Two steel bars of 20 mm, of one laboratory.
+/// A sheet for the two steel bars of 20 mm of one laboratory.
 fn steel(distances: [&str; 2], specimen: &str, records: &str) -> String {
     let bar = |channel: &str, at: &str, length: &str| {
         format!(
@@ -87,9 +87,10 @@ fn steel(distances: [&str; 2], specimen: &str, records: &str) -> String {
 /// sqrt(E/rho) of those bars [m/s].
 const STEEL: f64 = 5188.7;
 
-/// Steel between steel bars: an old workbook with times in single precision. The position of the
-/// second gauge is 29 mm off, as the order of the waves shows; with that of the same bars in
-/// another test of the laboratory the forces agree but for a level that shifts with the shot.
+/// Steel between steel bars, in an old workbook with times in single precision. The stated position
+/// of the second gauge is 29 mm off, as the order of the waves shows. With the position of the same
+/// bars in another test of the laboratory the forces agree, apart from a level that differs from
+/// shot to shot.
 #[test]
 fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
     let sheet = |at: &str| {
@@ -108,15 +109,15 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
     let (status, words) = standing(&stated);
     assert_eq!(status, 3, "{words}");
     words.must_say("before that of the incident face");
-    // the intercepts of two fronts of 10 us, whose shapes differ by the specimen, lie within 3 us
-    // of 390 us
+    // the arrivals of two fronts of 10 us, which the specimen changes in shape, are 390 us ± 3 us
+    // apart
     let speed = speed(&stated, 1.020, STEEL);
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
     let right = outcome(&files, &sheet("741 mm")).unwrap();
     let (status, words) = standing(&right);
     assert_eq!(status, 0, "{words}");
-    // the gauge rests at 29 um/m before the reflection: 4 % of 720 um/m, the transmitted strain
-    // while the steel flows
+    // before the reflection the level of the gauge is 29 um/m: 4 % of 720 um/m, the transmitted
+    // strain while the steel flows
     assert!(is_remarked(&right, "2.0 % of the peak"));
     let [ratio, difference] = balance(&right, 290.0, 345.0);
     println!("{ratio} {difference}");
@@ -124,13 +125,14 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
         (ratio - 0.96).abs() < 0.015 && difference < 0.06,
         "{ratio} {difference}"
     );
-    // by hand 1038 MPa (two waves), 1044 MPa (three), with 20 MPa of noise of the converter at the
-    // peak
+    // an evaluation by hand gives 1038 MPa (two waves) and 1044 MPa (three waves), with 20 MPa of
+    // noise of the converter at the peak
     let stress = quantity(&right, "largest stress");
     assert!((stress / 1024.0 - 1.0).abs() < 0.025, "{stress}");
 }
 
-/// Returns true if the state of the incident gauge before the reflection is remarked on.
+/// Returns true if a warning contains `part`, such as that on the level of the incident gauge
+/// before the reflection.
 fn is_remarked(outcome: &Outcome, part: &str) -> bool {
     outcome.warnings.iter().any(|words| words.contains(part))
 }
@@ -151,7 +153,7 @@ fn hopkinson_measured_epoxy_is_evaluated() {
         )
     };
     let files = ["epoxy/raw_strain.csv"];
-    // no steel bar carries half a micrometre per metre in a test that breaks epoxy
+    // strains of half a micrometre per metre are impossible in a test that breaks epoxy
     let Some(raw) = outcome(&files, &sheet("1")) else {
         return;
     };
@@ -166,16 +168,16 @@ fn hopkinson_measured_epoxy_is_evaluated() {
     assert!(is_remarked(&right, "1.8 % of the peak"));
     let speed = speed(&right, 1.018, STEEL);
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
-    // while it flows: 2 % by the gauges, and 17 um/m that are left of the incident wave are 6 % of
-    // 270 um/m
+    // while the epoxy flows: 2 % due to the gauges; the 17 um/m that remain of the incident wave
+    // are 6 % of 270 um/m
     let [ratio, difference] = balance(&right, 445.0, 590.0);
     println!("{ratio} {difference}");
     assert!(
         (ratio - 1.03).abs() < 0.02 && difference < 0.06,
         "{ratio} {difference}"
     );
-    // no face pulls: with the speed that the passages have the incident one does not, with that of
-    // the stated modulus it does
+    // a face cannot pull: with the wave speed from the passages the force on the incident face
+    // stays compressive, with that of the stated modulus it becomes tensile
     let found = outcome(&files, &sheet("0.000501").replace("210 GPa", "208.15 GPa")).unwrap();
     let [stated, found] = [&right, &found].map(|outcome| {
         let force = column(outcome, "faces", "force of the incident face").iter();
@@ -183,12 +185,12 @@ fn hopkinson_measured_epoxy_is_evaluated() {
     });
     println!("{stated} {found}");
     assert!(stated < -4000.0 && found > -1000.0, "{stated} {found}");
-    // by hand 281 MPa, smoothed over 4 us
+    // an evaluation by hand gives 281 MPa, smoothed over 4 us
     let stress = quantity(&right, "largest stress");
     assert!((stress / 281.0 - 1.0).abs() < 0.02, "{stress}");
 }
 
-/// PMMA between square bars of 2.1 mm: four files of an oscilloscope, two opposite gauges a bar.
+/// PMMA between square bars of 2.1 mm: four files of an oscilloscope, two opposite gauges per bar.
 #[test]
 fn hopkinson_measured_pmma_is_evaluated() {
     let names = [1, 2, 3, 4].map(|k| format!("pmma-13/180303_171828_Ch{k}.csv"));
@@ -220,13 +222,13 @@ fn hopkinson_measured_pmma_is_evaluated() {
     };
     let (status, words) = standing(&right);
     assert_eq!(status, 3, "{words}");
-    // 12 um/m of 1330 are there before the reflection
+    // the level before the reflection is 12 um/m of 1330 um/m
     words.must_say("do not become equal");
     words.must_say("of these samples are after the largest strain");
     words.must_say("the face of the incident bar pulls");
     assert!(is_remarked(&right, "1.0 % of the peak"));
-    // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns
-    // the forces by 8 %
+    // the impulses agree within 2.2 %, the errors of gauges and positions; a small rise before the
+    // reflected front changes the forces by 8 %
     let ratio = quantity(&right, "divided by force on the transmitted face");
     let [_, difference] = balance(&right, 103.5, 111.0);
     println!("{ratio} {difference}");
@@ -236,8 +238,8 @@ fn hopkinson_measured_pmma_is_evaluated() {
     );
     let stress = quantity(&right, "largest stress");
     assert!((stress - 169.7).abs() < 3.0, "{stress}");
-    // the speed from passages by the specimen's end of the transmitted bar, where a wave of tension
-    // finds it free
+    // the wave speed from passages of the pulse; the end of the transmitted bar at the specimen is
+    // free for a tensile wave
     let passages = [79e-6, 158e-6].map(|from| passage(&names[2..], from));
     let speed = 2.0 * 0.10135 / (0.5 * (passages[0] + passages[1]));
     println!("{passages:?} {speed}");
@@ -253,8 +255,8 @@ fn hopkinson_measured_pmma_is_evaluated() {
     );
 }
 
-/// Time \[s\] after which the mean of two files is most like what it was in 20 us from a time \[s\]
-/// on, near 40 us.
+/// Lag \[s\] near 40 us after which the mean of two files is most similar to its course during
+/// 20 us after the time `from` \[s\].
 fn passage(names: &[&str], from: f64) -> f64 {
     let read = |name: &str| {
         let file = measured::folder().unwrap().join("shpb").join(name);
@@ -279,8 +281,8 @@ fn passage(names: &[&str], from: f64) -> f64 {
     step * best.unwrap() as f64
 }
 
-/// Each file of a bar, a shock or a small dialect is read as it is, at a stated sampling rate, or
-/// refused with the words of its row.
+/// Each file of a bar, of a shock or in an unusual dialect is read unchanged, with a stated
+/// sampling rate, or refused with the message in its row.
 #[test]
 fn hopkinson_each_record_is_read_or_refused_with_its_reason() {
     let Some(data) = measured::folder() else {

@@ -1,5 +1,5 @@
-//! Virtual struck rods of the lumped chain, which is not the solver that identifies, as files that
-//! a recorder leaves.
+//! Virtual struck rods, computed by the lumped chain, which is not the solver of the
+//! identification, and written as files of a recorder.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -39,16 +39,16 @@ pub(crate) struct Histories {
     quantity: Quantity,
 }
 
-/// Standard deviation of the rounding of a striker's face \[s\].
+/// Standard deviation \[s\] of the smoothing by the rounded face of a striker.
 const ROUNDING: f64 = 30e-6;
 
 fn rod<L: InelasticLaw>(law: &L, velocity: f64) -> StruckRod<L> {
     StruckRod::of_16_mm(law, velocity, LENGTH, DENSITY, MODULUS, ACQUISITION)
 }
 
-/// Velocities of a rod that is struck at `velocity` by a striker of rounded face: the near end
-/// moves as behind a flat one, smoothed by a normal density of 30 us. The rod is driven by the
-/// samples as they are, so that a recorder loses nothing.
+/// Velocities of a rod that is struck at `velocity` by a striker with a rounded face: the near end
+/// moves as with a flat striker, smoothed by a normal density of 30 us. The rod is driven by the
+/// samples, so that a recorder loses nothing.
 pub(crate) fn velocities<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
     let rod = rod(law, velocity);
     let (near_end, times) = smooth_excitation(&rod);
@@ -60,7 +60,8 @@ pub(crate) fn velocities<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
     }
 }
 
-/// Velocities of a rod of linear material, branches in parallel, moved as [`velocities`] are.
+/// Velocities of a rod of linear material with parallel branches, driven like those of
+/// [`velocities`].
 pub(crate) fn linear_velocities(material: &GeneralisedMaxwell, velocity: f64) -> Histories {
     let (excitation, times) = smooth_excitation(&rod(&Maxwell::new(4e6).unwrap(), velocity));
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material).unwrap();
@@ -72,7 +73,7 @@ pub(crate) fn linear_velocities(material: &GeneralisedMaxwell, velocity: f64) ->
     }
 }
 
-/// The near end [m/s] behind a rounded striker, and the times of its samples \[s\].
+/// Velocity of the near end [m/s] for a rounded striker, and the times of its samples \[s\].
 fn smooth_excitation<L: InelasticLaw>(rod: &StruckRod<L>) -> (Vec<f64>, Vec<f64>) {
     let record = rod.record().unwrap();
     let times = times(record.excitation.len(), RATE);
@@ -80,8 +81,8 @@ fn smooth_excitation<L: InelasticLaw>(rod: &StruckRod<L>) -> (Vec<f64>, Vec<f64>
     (smooth, times)
 }
 
-/// Velocities behind a flat striker through the recorder, in the order of an experiment: striker,
-/// rod, filter, samples.
+/// Velocities for a flat striker as recorded, in the order of an experiment: striker, rod, filter,
+/// sampling.
 pub(crate) fn velocities_of_a_flat_striker<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
     let record = rod(law, velocity).record().unwrap();
     Histories {
@@ -91,7 +92,7 @@ pub(crate) fn velocities_of_a_flat_striker<L: InelasticLaw>(law: &L, velocity: f
     }
 }
 
-/// Displacements of the same, both through the recorder.
+/// Displacements of both ends for a flat striker, as recorded.
 pub(crate) fn displacements<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
     let Acquisition {
         recorder,
@@ -118,8 +119,8 @@ pub(crate) fn displacements<L: InelasticLaw>(law: &L, velocity: f64) -> Historie
 }
 
 impl Histories {
-    /// Writes a CSV with white noise of the standard deviation `noise` on both histories, in
-    /// milliseconds and in `unit`, of which there are `per_si` in one of SI.
+    /// Writes a CSV with white noise of the standard deviation `noise` on both histories, with
+    /// times in milliseconds and values in `unit`, the SI unit divided by `per_si`.
     pub(crate) fn write(&self, path: &Path, noise: f64, seed: u64, unit: &str, per_si: f64) {
         let samples = Array2::from_shape_fn((2, self.near_end.len()), |(channel, k)| {
             [&self.near_end, &self.free_end][channel][k]

@@ -1,5 +1,5 @@
-//! Two masses with a spring and a dashpot between, integrated in time and known in closed form:
-//! struck by a virtual hammer.
+//! Two masses with a spring and a dashpot between them, struck by a virtual hammer: integrated in
+//! time, and with mobilities in closed form.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -20,7 +20,7 @@ pub(crate) use crate::runs::{column, json, quantity, words};
 pub(crate) const RATE: f64 = 51_200.0;
 pub(crate) const SAMPLES: usize = 2048;
 
-/// Two masses with a spring and a dashpot between.
+/// Two masses with a spring and a dashpot between them.
 #[derive(Clone, Copy)]
 pub(crate) struct Body {
     pub(crate) struck: f64,
@@ -29,7 +29,7 @@ pub(crate) struct Body {
     pub(crate) damping: f64,
 }
 
-/// Rings at 1.7 kHz and is quiet after 10 ms.
+/// A body that rings at 1.7 kHz for 10 ms.
 pub(crate) const BODY: Body = Body {
     struck: 1.0,
     behind: 0.5,
@@ -45,7 +45,7 @@ impl Body {
         (self.behind * s * s + link) / (s * both)
     }
 
-    /// Mobility of the mass behind, for a force on the struck one.
+    /// Velocity of the other mass divided by a force on the struck mass.
     pub(crate) fn transfer(self, frequency_hz: f64) -> Complex64 {
         let s = Complex64::new(0.0, TAU * frequency_hz);
         let link = self.stiffness + self.damping * s;
@@ -106,12 +106,12 @@ pub(crate) const HAMMER: Hammer = Hammer {
     peak: 170.0,
 };
 
-/// Writes `{prefix}N.csv`: time, force, acceleration of the struck mass and of that behind.
+/// Writes `{prefix}N.csv`: time, force, accelerations of the struck mass and of the other mass.
 pub(crate) fn strike(folder: &Path, prefix: &str, body: Body, hammer: Hammer) {
     let noise = |seed| {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         move || {
-            // Box and Muller
+            // normal numbers by the method of Box and Muller
             let (a, b): (f64, f64) = (random.random(), random.random());
             (-2.0 * (1.0 - a).ln()).sqrt() * (TAU * b).cos()
         }

@@ -20,12 +20,12 @@ use rodwave::synthesis::DampedSynthesis;
 use crate::runs::write_npy;
 
 pub(crate) const RATE_HZ: f64 = 65_536.0;
-/// Samples of a hit.
+/// Number of samples per hit.
 pub(crate) const SAMPLES: usize = 4096;
 const OVERSAMPLING: usize = 8;
-/// Samples of the recorder before a blow.
+/// Number of samples before a hit.
 const LEAD: usize = 128;
-/// 0.5 mV/g as V/(m/s²).
+/// Sensitivity of 0.5 mV/g in V/(m/s²).
 const VOLTS: f64 = 0.5e-3 / 9.80665;
 
 fn medium() -> Medium<ConstantQ> {
@@ -36,14 +36,13 @@ fn medium_of(modulus: f64) -> Medium<ConstantQ> {
     Medium::new(912.0, ConstantQ::new(modulus, 0.07, 1e4).unwrap()).unwrap()
 }
 
-/// The modulus of the rod over frequency \[Hz\].
+/// The modulus of the rod as a function of the frequency \[Hz\].
 pub(crate) fn polypropylene() -> impl Fn(f64) -> Complex64 {
     let medium = medium();
     move |f| medium.modulus(TAU * f)
 }
 
-/// Accelerations of the ends after one blow of 100 N and 80 µs, filtered and sampled, without
-/// noise.
+/// Accelerations of the ends after a hit of 100 N and 80 µs, filtered and sampled, without noise.
 fn filtered(medium: &Medium<ConstantQ>, random: &mut ChaCha8Rng) -> Record {
     let rig = Specimen {
         section: Circle::of_diameter(0.0158).unwrap().into(),
@@ -69,7 +68,7 @@ fn synthesis() -> DampedSynthesis {
         .unwrap()
 }
 
-/// Histories of so many channels after the lead, filtered and sampled.
+/// Histories of these channels after a time of rest, filtered and sampled.
 fn sampled(
     channels: &[(&str, Quantity)],
     histories: &[Vec<f64>],
@@ -95,8 +94,8 @@ fn sampled(
         .record
 }
 
-/// `hits.npy`: so many hits one after the other in one recording of two channels \[V\], with noise
-/// and 16 bits.
+/// Writes `hits.npy`: `count` hits, one after the other, in one recording of two channels \[V\],
+/// with noise and 16 bits.
 pub(crate) fn write_hits(folder: &Path, count: usize, seed: u64) {
     write_changing_hits(folder, &vec![0.0; count], seed);
 }
@@ -112,7 +111,7 @@ pub(crate) fn write_changing_hits(folder: &Path, changes: &[f64], seed: u64) {
             .unwrap()
             .iter()
             .fold(0.0_f64, |p, a| p.max(a.abs()));
-        // 2e-4 of the peak over the band
+        // noise of 2e-4 of the peak over the band
         let density = (2e-4 * peak).powi(2) / (0.5 * RATE_HZ);
         instrument = instrument
             .noise(name, NoiseSpectrum::white(density).unwrap())
@@ -131,8 +130,8 @@ pub(crate) fn write_changing_hits(folder: &Path, changes: &[f64], seed: u64) {
     write_npy(&folder.join("hits.npy"), &rows);
 }
 
-/// Strains at `positions` \[m\] of the same rod, free at both ends, each hit in a file
-/// `gauges_N.npy` \[µε\] of its own.
+/// Writes strains at `positions` \[m\] of the same rod, free at both ends, with each hit in its own
+/// file `gauges_N.npy` \[µε\].
 pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed: u64) {
     let synthesis = synthesis();
     let member = FrameMember::analytic(
@@ -158,7 +157,7 @@ pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed:
     let one = sampled(&channels, &exact.strains, exact.generator, &mut random);
     let mut instrument = Instrument::new();
     for name in &names {
-        // 0.01 microstrain over the band, of a peak of some 190
+        // noise of 0.01 microstrain over the band, with a peak of about 190 microstrain
         let density = 0.01e-6_f64.powi(2) / (0.5 * RATE_HZ);
         instrument = instrument.noise(name, NoiseSpectrum::white(density).unwrap());
     }
@@ -174,10 +173,10 @@ pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed:
     }
 }
 
-/// A long rod of masses, springs and dashpots beside the springs, struck at one end: explicit in
-/// time. Strains at two sections.
+/// A long rod of masses, springs and parallel dashpots, struck at one end and integrated explicitly
+/// in time, with strains at two sections.
 ///
-/// Its modulus is E + iωη but for the discreteness, (k dx)²/12 of E: at 8 kHz 5e-4.
+/// Its modulus is E + iωη, with an error due to the discreteness of (k dx)²/12 of E, 5e-4 at 8 kHz.
 pub(crate) struct LongRod {
     pub(crate) length: f64,
     pub(crate) stiffness: f64,
@@ -189,7 +188,8 @@ pub(crate) struct LongRod {
 pub(crate) const FAST_RATE_HZ: f64 = 200e3;
 
 impl LongRod {
-    /// Files `pulses_N.npy` of `count` hits [µε], silent for 1 ms and 5 ms long, with noise.
+    /// Writes `count` hits to files `pulses_N.npy` [µε], 5 ms long with 1 ms of silence, with
+    /// noise.
     pub(crate) fn write_pulses(&self, folder: &Path, sections: [f64; 2], count: usize, seed: u64) {
         let dx = 2.5e-3;
         let cells = (self.length / dx).round() as usize;
@@ -201,7 +201,7 @@ impl LongRod {
         let mut stress = vec![0.0; cells];
         let mut rows = [vec![0.0; lead], vec![0.0; lead]];
         let gauges = sections.map(|x| (x / dx).round() as usize);
-        // stress on the struck end, 0.5 MPa for 100 µs
+        // stress on the struck end, up to 0.5 MPa during 100 µs
         let blow = |t: f64| {
             let phase = TAU * t / 1e-4;
             if t < 1e-4 {
@@ -213,7 +213,7 @@ impl LongRod {
         for step in 0..(n_samples - lead) * every {
             if step % every == 0 {
                 for (row, gauge) in rows.iter_mut().zip(gauges) {
-                    // at a mass: the mean of the springs on both sides
+                    // the strain at a mass is the mean of those of the springs on both sides
                     let strain = displacement[gauge + 1] - displacement[gauge - 1];
                     row.push(1e6 * strain / (2.0 * dx));
                 }
