@@ -368,7 +368,7 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
         },
     );
     let Verdict::InDoubt { reasons } = attempt(folder.path(), &text).unwrap().verdict else {
-        unreachable!("a path that is 2 % off explains nothing")
+        unreachable!("a path that is 2 % off does not reproduce the response")
     };
     reasons[0].must_say("the frequency response belongs to another body");
 }

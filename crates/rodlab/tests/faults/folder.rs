@@ -50,7 +50,7 @@ pub(crate) fn is_whole(now: &Files, results: &[&Files]) -> Result<(), String> {
         .collect();
     for (name, bytes) in &finals {
         if !results.iter().any(|files| files.get(name) == Some(bytes)) {
-            return Err(format!("{} is of no result", name.display()));
+            return Err(format!("{} does not belong to any result", name.display()));
         }
     }
     if finals.contains_key(Path::new("result.json"))
@@ -73,5 +73,5 @@ pub(crate) fn difference(now: &Files, expected: &Files) -> Option<String> {
     let other = now
         .iter()
         .find(|(name, bytes)| expected[*name] != **bytes)?;
-    Some(format!("{} is another", other.0.display()))
+    Some(format!("{} differs", other.0.display()))
 }

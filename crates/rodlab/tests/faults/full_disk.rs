@@ -153,7 +153,7 @@ fn campaign(extent: Extent) -> Row {
                 // written
                 let told = place.is_empty() && says_what_failed(&now);
                 if !(is_one || told) {
-                    return Came::Lost(format!("results/{place} is of no campaign"));
+                    return Came::Lost(format!("results/{place} does not belong to any campaign"));
                 }
             }
             let again = run(&mut rodlab(
@@ -161,7 +161,7 @@ fn campaign(extent: Extent) -> Row {
                 &["batch", "tests", "--out", "out", "--quiet", "--resume"],
             ));
             if let Some(other) = difference(&files_in(&out), after) {
-                return Came::Lost(format!("taken up again: {:?}, {other}", again.status));
+                return Came::Lost(format!("resumed: {:?}, {other}", again.status));
             }
             match ran.status {
                 Some(0) => Came::Right,

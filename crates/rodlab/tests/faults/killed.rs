@@ -213,7 +213,7 @@ fn campaign(extent: Extent) -> Row {
             }
             let again = run(&mut rodlab(folder.path(), &arguments));
             match difference(&files_in(&out), &whole) {
-                Some(other) => Came::Lost(format!("taken up: {:?}, {other}", again.status)),
+                Some(other) => Came::Lost(format!("resumed: {:?}, {other}", again.status)),
                 None => Came::Stopped,
             }
         },

@@ -67,7 +67,7 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
         differences.push(difference);
         assert!(difference.abs() < 0.05, "{step}: {difference}");
     }
-    println!("steps of log a beside those of pyvisco: {differences:?}");
+    println!("steps of log a minus those of pyvisco: {differences:?}");
     // WLF is not valid from the glass to the rubber; a fit with equal errors for all shifts is
     // nearer to them
     let verdict = &quantity(&outcome, "WLF, C1").verdict;

@@ -26,7 +26,7 @@ pub(crate) fn outcome() -> Outcome {
     };
     outcome.summary = vec![
         "The modulus at 1 kHz is 2.612 ± 0.014 GPa, the loss factor 0.0700 ± 0.0004.".into(),
-        "72 of 80 lines hold within 1 % of E' and 5 % of the loss factor.".into(),
+        "72 of 80 lines are valid within 1 % of E' and 5 % of the loss factor.".into(),
     ];
     outcome.warnings = vec![
         "Hit 3 overloads channel 2 and was left out.".into(),

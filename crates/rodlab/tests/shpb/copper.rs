@@ -37,7 +37,7 @@ impl Elements {
     fn read() -> Option<Self> {
         let path = measured::folder()?.join("shpb").join(NAME);
         if !path.exists() {
-            println!("skipped: {} is not there", path.display());
+            println!("skipped: {} does not exist", path.display());
             return None;
         }
         let table = fs::read_to_string(path).unwrap();

@@ -17,7 +17,7 @@ fn outcome(files: &[&str], sheet: &str) -> Option<Outcome> {
     for file in files {
         let path = data.join("shpb").join(file);
         if !path.exists() {
-            println!("skipped: {} is not there", path.display());
+            println!("skipped: {} does not exist", path.display());
             return None;
         }
         fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
