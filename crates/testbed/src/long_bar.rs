@@ -31,7 +31,7 @@ pub struct LongBar {
     /// Sampling rate \[Hz\].
     pub rate: f64,
     pub n_samples: usize,
-    /// Silence before the blow \[s\].
+    /// Silence before the impact \[s\].
     pub before: f64,
     /// Standard deviation of the noise relative to the largest strain.
     pub noise: f64,

@@ -1,5 +1,5 @@
-//! Blows on a rod as an analyser records them. The exact histories are filtered once; every blow
-//! has its own strength, noise and rounding.
+//! Hits on a rod as an analyser records them. The exact histories are filtered once; every hit has
+//! its own strength, noise and rounding.
 
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
 use labio::{
@@ -18,13 +18,13 @@ use rodwave::synthesis::DampedSynthesis;
 pub const RATE_HZ: f64 = 65_536.0;
 /// Number of samples of a history per sample of the recorder.
 pub const OVERSAMPLING: usize = 8;
-/// Number of samples before a blow on an end.
+/// Number of samples before a hit on an end.
 pub const LEAD: usize = 64;
-/// Greatest force \[N\] and duration \[s\] of a blow of strength 1.
+/// Largest force \[N\] and duration \[s\] of a hit of strength 1.
 pub const BLOW: (f64, f64) = (100.0, 8e-5);
 /// Noise of a sensor, relative to the peak of its signal.
 pub const NOISE: f64 = 2e-4;
-/// Range of the converter, relative to the peak: the strengths of the blows differ by ± 10 %.
+/// Range of the converter, relative to the peak: the strengths of the hits differ by ± 10 %.
 const RANGE: f64 = 1.25;
 const FINER: f64 = OVERSAMPLING as f64;
 /// Corner frequency of the anti-alias filter \[Hz\].
@@ -70,7 +70,7 @@ impl Recorder {
         })
     }
 
-    /// Returns a blow of the given strength, without noise and rounding.
+    /// Returns a hit of the given strength, without noise and rounding.
     pub fn exact(&self, strength: f64) -> Result<Record, LabioError> {
         Record::new(
             &self.filtered.samples() * strength,
@@ -81,8 +81,8 @@ impl Recorder {
         )
     }
 
-    /// Returns `count` blows, each with a strength that `strength` draws. The range of the
-    /// converter is set for blows of the strength `range`.
+    /// Returns `count` hits, each with a strength that `strength` draws. The range of the converter
+    /// is set for hits of the strength `range`.
     pub fn blows(
         &self,
         range: f64,

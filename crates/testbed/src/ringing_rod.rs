@@ -45,7 +45,7 @@ impl RingingRod {
         self.modulus * (s / (TAU * 5e3)).powf(self.loss_factor / FRAC_PI_2)
     }
 
-    /// Returns the acceleration of the far end without errors, from the start of a blow on the near
+    /// Returns the acceleration of the far end without errors, from the start of a hit on the near
     /// end, which is a half sine of 60 us.
     pub fn ringing(&self, n_samples: usize) -> Vec<f64> {
         const DURATION: f64 = 60e-6;

@@ -126,8 +126,9 @@ pub fn driven_by_samples<L: InelasticLaw>(
     LumpedRod::new(rod, cells, 0.5)?.free_end_velocity(&history, &times)
 }
 
-/// Returns the velocity of the free end of a driven `segment` at `times` \[s\], computed with a line
-/// in steps of `step` \[s\]. The last three samples are not computed: they are beyond every window.
+/// Returns the velocity of the free end of a driven `segment` at `times` \[s\], computed by
+/// `rodwave::line` in steps of `step` \[s\]. The last three samples are not computed: they are
+/// beyond every window.
 pub fn by_line(
     segment: Segment,
     excitation: &SampledHistory,

@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn realistic_values_damp_as_the_materials_are_known_to() {
-        // tan δ = E F(σ)/(ω σ) at a frequency and a stress that are typical of the blow: at the
+        // tan δ = E F(σ)/(ω σ) at a frequency and a stress that are typical of the impact: at the
         // corner frequency Z/(2π M) of a projectile of mass M on a rod of impedance Z, and at σ =
         // σ_0/2, half the stress behind the first front, σ_0 = V_0 ρ c Z_p/(Z_p + Z).
         let known = [

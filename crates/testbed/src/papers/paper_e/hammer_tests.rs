@@ -1,7 +1,7 @@
 //! Tests of paper E, section 3.1, on virtual bodies: an impedance head on the face, a light and a
 //! heavy hammer, spectra averaged and merged.
 //!
-//! The blows are computed by the damped Fourier transform of `rodwave::experiment`; the sensors,
+//! The hits are computed by the damped Fourier transform of `rodwave::experiment`; the sensors,
 //! the filter and the noise are those of `labio`. The bodies have the causal law of the nylon.
 
 use labio::instrument::{AntiAlias, Instrument, NoiseSpectrum};
@@ -32,7 +32,7 @@ const STIFFNESS: [f64; 2] = [4e7, 1e7];
 /// Standard deviations of the noise of one sample: force in N, acceleration in m/s².
 pub const FORCE_NOISE: f64 = 0.02;
 pub const ACCELERATION_NOISE: f64 = 1.0;
-/// Scatter of the blows, because the pendulum is released by hand.
+/// Scatter of the strengths of the hits, because the pendulum is released by hand.
 const SCATTER: f64 = 0.05;
 
 /// Spectra of the tests with the light and with the heavy hammer.
