@@ -93,8 +93,8 @@ fn a_force_comes_back_within_its_band() {
         &outcome,
         "part of the measured force inside the band of the whole history",
     );
-    // at the begin and end of the force, the band without tension has no width, and the measured
-    // force has noise of 0.01 N
+    // at the beginning and the end of the force, the band without tension has no width, and the
+    // measured force has noise of 0.01 N
     let difference = quantity(
         &outcome,
         "root mean square difference from the measured force",

@@ -1,5 +1,5 @@
-//! Files to calibrated records: missing information comes from the sheet, and unsuitable files are
-//! reported.
+//! Calibrated records from files: missing information comes from the sheet, and unsuitable files
+//! are reported.
 
 mod separate_files;
 

@@ -218,8 +218,8 @@ fn hopkinson_mean_of_three_shots() {
     missing.must_say("`5.csv`");
 }
 
-/// Gauges on opposite sides of a bar that bends, each with its bridge, amplifier and file, are one
-/// gauge.
+/// Gauges on opposite sides of a bar that bends, each with its bridge, amplifier and file, act as
+/// one gauge.
 #[test]
 fn hopkinson_bending_cancels_between_opposite_gauges() {
     let folder = TempDir::new().unwrap();

@@ -197,7 +197,7 @@ fn gauges_of_a_frame_member_give_the_modulus() {
     assert_eq!(made.warnings, Vec::<String>::new());
     let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
     assert_modulus_is_that_of_polypropylene(&found, 120);
-    // on a soft spring the member swings for seconds, and the record ends before
+    // on a soft spring the member swings for seconds, and the record ends while it still swings
     let warnings = of(r#"stiffness: "70 N/m", mass: "15 gram""#).warnings;
     assert!(
         warnings.len() == 1 && warnings[0].starts_with("the records end while `gauge "),

@@ -338,7 +338,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
 }
 
 /// One shot on a steel bar with two gauges before its free end: the wave speed is found, and no
-/// attenuation.
+/// attenuation is found.
 #[test]
 fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
     let bar = LongBar {

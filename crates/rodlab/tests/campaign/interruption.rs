@@ -33,7 +33,10 @@ fn an_interruption_leaves_whole_files_and_the_rest_undone() {
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(130));
     let files = files_below(&results);
-    assert!(files.len() < 2000 * 3, "the campaign ended before the interruption");
+    assert!(
+        files.len() < 2000 * 3,
+        "the campaign ended before the interruption"
+    );
     for (name, contents) in &files {
         let name = name.to_string_lossy();
         assert!(!name.contains(".rodlab-"), "{name} is a temporary file");

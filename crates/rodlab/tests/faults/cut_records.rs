@@ -72,7 +72,10 @@ fn inspected(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>
         Some(whole) if *whole == series && (!said || cut < file.bytes.len()) => Came::Right,
         Some(_) if said => Came::Said,
         Some(_) if (file.is_whole_at)(bytes) => Came::Shorter,
-        Some(_) => Came::Lost(format!("{cut} bytes of {} were accepted as the whole file", file.name)),
+        Some(_) => Came::Lost(format!(
+            "{cut} bytes of {} were accepted as the whole file",
+            file.name
+        )),
     })
 }
 
@@ -102,7 +105,10 @@ fn converted(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>
         Some(whole) if *whole == numbers => Came::Right,
         Some(_) if says_so(&found["warnings"]) => Came::Said,
         Some(whole) if (file.is_whole_at)(bytes) && begins_with(whole, &numbers) => Came::Shorter,
-        Some(_) => Came::Lost(format!("{cut} bytes of {} were accepted as the whole file", file.name)),
+        Some(_) => Came::Lost(format!(
+            "{cut} bytes of {} were accepted as the whole file",
+            file.name
+        )),
     })
 }
 

@@ -16,9 +16,9 @@ pub(super) const UNRELAXED: f64 = 2.6e9;
 pub(super) const RELAXATION_TIME: f64 = 2e-3;
 pub(super) const EXPONENT: f64 = 0.45;
 pub(super) const C1: f64 = 12.0;
-/// \[K\].
+/// Second constant of WLF \[K\].
 pub(super) const C2: f64 = 90.0;
-/// \[°C\].
+/// Reference temperature \[°C\].
 pub(super) const REFERENCE: f64 = 60.0;
 /// Relative error of |E|.
 const NOISE: f64 = 0.01;
@@ -198,7 +198,7 @@ impl Sweep {
     }
 }
 
-/// E₀ + ΔE (iωτ)^α/(1 + (iωτ)^α).
+/// Complex modulus E₀ + ΔE (iωτ)^α/(1 + (iωτ)^α).
 fn law(omega: f64, exponent: f64) -> Complex64 {
     let power = Complex64::from_polar(
         (omega * RELAXATION_TIME).powf(exponent),

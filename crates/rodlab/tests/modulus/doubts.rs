@@ -41,7 +41,7 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
     let mistake = "if the channels of the two ends were interchanged: interchange";
     warnings.must_say(mistake);
 
-    // a sensor that points the other way
+    // a sensor of inverted polarity
     let inverted = sheet(TWO_POINT, BAND).replace(
         "(name: \"free end\", from: 2,",
         "(name: \"free end\", from: 2, inverted: true,",
@@ -50,7 +50,7 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
     let reasons = doubts(&outcome);
     reasons.must_begin("the polarity check fails");
     outcome.summary[0].must_say("polarity");
-    // rejected by hand
+    // all hits are rejected by hand
     let all = sheet(TWO_POINT, BAND).replace(
         "cut: Trigger",
         "reject: [(hit: 1, because: \"slipped\"), (hit: 2, because: \"slipped\"), (hit: 3, because: \"slipped\")], cut: Trigger",
@@ -78,7 +78,7 @@ fn a_unit_that_is_wrong_by_g_is_named() {
     assert!(!said.contains("interchanged"), "{said}");
 }
 
-/// On no line the loss factor is known to 0.1 %, but E' is.
+/// The loss factor is not known to 0.1 % on any line, but E' is.
 #[test]
 fn the_storage_modulus_is_stated_where_the_loss_factor_is_not_known() {
     let folder = TempDir::new().unwrap();

@@ -53,7 +53,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
             .iter()
             .any(|entry| entry.what.contains("lines are valid"))
     );
-    // checks of an honest record
+    // the checks of a correct record pass
     for check in ["passivity", "Kramers-Kronig", "causality", "polarity"] {
         let name = format!("check: {check}");
         let made = outcome
