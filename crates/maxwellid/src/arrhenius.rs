@@ -10,8 +10,8 @@
 //! Tests at several temperatures then determine Q in addition to the parameters of the law at T₀.
 //!
 //! # Validity
-//! The model holds for one mechanism and a temperature-independent modulus, for example over some
-//! tens of kelvin at temperatures away from a transition.
+//! The model is valid for one mechanism and a temperature-independent modulus, for example over
+//! some tens of kelvin at temperatures away from a transition.
 //!
 //! Theory: `docs/theory/model-identification.md#tests-at-several-temperatures`.
 

@@ -28,9 +28,9 @@ use crate::specimen::SpecimenSensitivity;
 /// | Eyring | activation stress σ*, rate at 10 MPa |
 /// | Zhu-Wang-Tang | shares and relaxation times of two branches |
 /// | Zener with a nonlinear dashpot | share of the spring, and the parameters of the dashpot |
-/// | Maxwell beside Norton or Gurevich-Rabinovich | share and relaxation time of the linear branch, and the parameters of the nonlinear dashpot |
+/// | Maxwell in parallel with Norton or Gurevich-Rabinovich | share and relaxation time of the linear branch, and the parameters of the nonlinear dashpot |
 /// | Zhu-Wang-Tang with Norton's dashpot | shares of the branches, relaxation time of the linear one, and the parameters of the nonlinear dashpot |
-/// | flat loss beside Norton or Gurevich-Rabinovich | share of the nonlinear branch, loss factor of the linear ones, and the parameters of the dashpot |
+/// | flat loss in parallel with Norton or Gurevich-Rabinovich | share of the nonlinear branch, loss factor of the linear ones, and the parameters of the dashpot |
 ///
 /// Maxwell, Norton and Gurevich-Rabinovich are the laws of (Ödeen 1993, paper D, Table 1).
 ///

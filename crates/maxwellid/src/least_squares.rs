@@ -238,7 +238,7 @@ const REDUCTION: f64 = 1e-10;
 const OF_ROUGHNESS: f64 = 10.0;
 /// Multiple of the reduction that ends an iteration, up to which a rejected step is near a minimum.
 const NEAR: f64 = 100.0;
-/// Damping, as a share of the smallest square of a singular value, from which it has an effect.
+/// Smallest damping that has an effect, as a share of the smallest square of a singular value.
 const LEAST_EFFECT: f64 = 0.01;
 const STEP: f64 = 1e-9;
 const SMALLEST_DAMPING: f64 = 1e-12;

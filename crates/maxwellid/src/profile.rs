@@ -179,7 +179,7 @@ impl<M: RodModel + Clone> Fit<M> {
                 Some((_, below)) => {
                     let of_model = below.get(..expected).unwrap_or_default();
                     let next = self.lowest_from(tests, of_model, lowest.course.clone())?;
-                    // a fit that has settled is preferred to one within its interval that has not
+                    // a settled fit is preferred to an unsettled one within its interval
                     let allowance = match (lowest.has_settled(), next.has_settled()) {
                         (true, false) => found.threshold,
                         (false, true) => -found.threshold,

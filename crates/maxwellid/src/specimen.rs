@@ -11,8 +11,8 @@
 //! ```
 //!
 //! Stresses such as m are proportional to ρL, viscosities to ρL²; exponents, times and loss factors
-//! do not change. The relations hold for any histories, for a fit with or without nuisances, if all
-//! tests are of one specimen.
+//! do not change. The relations are valid for any histories, for a fit with or without nuisances,
+//! if all tests are of one specimen.
 
 use crate::error::{MaxwellidError, check_not_negative};
 

@@ -238,8 +238,8 @@ fn started(fit: &Fit<Maxwell>, tests: &[RodTest], cell: f64) -> (Vec<f64>, f64) 
 fn the_grid_is_what_the_accuracy_asks_for() {
     let tests = [short_rod()];
     let (start, difference) = started(&maxwell(), &tests, SCAN_CELL);
-    // an error of second order must fall to 0.6 of the requested accuracy: here by a grid of a
-    // third of the coarse cell
+    // an error of second order must fall to 0.6 of the requested accuracy, which requires a third
+    // of the coarse cell here
     let requested = difference / 0.6 / 9.0;
     let fit = maxwell().with_accuracy(requested);
     let mut course = Course::default();

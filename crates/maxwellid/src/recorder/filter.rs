@@ -176,7 +176,7 @@ fn check_cutoff(cutoff_hz: f64) -> Result<(), MaxwellidError> {
     })
 }
 
-/// Number of points of the transform of a response, which must hold an impulse response of some
+/// Number of points of the transform of a response, which must contain an impulse response of some
 /// hundred points and its ringing.
 const POINTS: usize = 8192;
 
