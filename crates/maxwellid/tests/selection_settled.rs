@@ -86,7 +86,7 @@ fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
         assert_same(&together, &compare(reversed, &exchanged));
         let of = |comparison: &Comparison| law(comparison, Law::ConstantQ).chi_square;
         let sum = of(&alone[first]) + of(&alone[second]);
-        // chi-square of 2 exceeds 2 ln(1/p)
+        // chi-square with two degrees of freedom exceeds 2 ln(1/p) with the probability p
         let allowed = 2.0 * 1e4_f64.ln();
         assert!(of(&together) < sum + allowed, "{} {sum}", of(&together));
         let counts = |law: &&ComparedLaw| law.probability > 0.01;

@@ -36,8 +36,8 @@ fn the_factors_are_an_inverse_square_root() {
     assert!((of_white / of_inverse - 1.0).abs() < 1e-14);
 }
 
-/// A residual proportional to the column of one error; because of the prior of the error 1/(1 +
-/// |a|²) of it remains.
+/// A residual proportional to the column of one error; a fraction 1/(1 + |a|²) of it remains,
+/// because of the prior of the error.
 #[test]
 fn the_most_likely_errors_are_those_of_least_squares() {
     let column = vec![3.0, 0.0, 4.0];

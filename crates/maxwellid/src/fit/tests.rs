@@ -108,7 +108,7 @@ fn the_longest_window_is_the_duration() {
     let short = short_rod().with_window(0.2e-3).unwrap();
     let long = short_rod().with_window(0.5e-3).unwrap();
     let last = *long.times().last().unwrap();
-    // exact: one of two numbers is chosen
+    // exactly equal, because one of two numbers is returned
     assert!(duration(&[short.clone(), long]).total_cmp(&last).is_eq());
     assert!(duration(&[short]) < 0.21e-3);
 }

@@ -14,7 +14,8 @@ from ._sheet import number
 
 Series = Mapping[str, Any]
 
-# Quantities of the standard by our units; a quantity that does not follow from the unit is left out.
+# Quantities of the standard for each unit; a quantity that does not follow from the unit is left
+# out.
 _QUANTITIES = {"N": "f", "m/s^2": "a", "m/s": "v", "m": "d"}
 
 # Largest deviation of a time from an even grid, in steps: times are often rounded to about six digits.
