@@ -1,6 +1,7 @@
 //! Two waves from the strains of two and three gauges with 23 038 samples: transforms of twice the
-//! record, waves at every line, and the histories of the waves at another section. The plan of the
-//! lines is made for each record, or only once. The bound is the transforms alone.
+//! length of the record, the waves at every line, and their histories at another section. The plan
+//! of the lines is made for each record, or only once. The bound is the time of the transforms
+//! alone.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -33,7 +34,7 @@ fn strain(position: f64) -> Vec<f64> {
 fn separation(criterion: &mut Criterion) {
     let mut planner = RealFftPlanner::<f64>::new();
     let mut group = criterion.benchmark_group("separation of waves, 23038 samples");
-    // about twice the record, with small prime factors
+    // about twice the length of the record, with small prime factors
     let n = 46_080;
     let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
     let gamma: Vec<Complex64> = (0..=n / 2)

@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
         }
     }
-    let title = "Storage modulus from a measured wave number: what lateral inertia does";
+    let title = "Storage modulus from a measured wave number: effect of lateral inertia";
     let path = Figure::new("limits_of_slenderness", title, panels).write_to(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../target/examples"

@@ -1,5 +1,5 @@
-//! A blow as in paper D: an aluminium striker, 10 m/s, on a polyethylene rod that carries a steel
-//! cap at its far end.
+//! Impact as in paper D: an aluminium striker at 10 m/s hits a polyethylene rod with a steel cap at
+//! its far end.
 //!
 //! ```text
 //! cargo run --release --package rodwave --example striker_on_a_polymer_rod
@@ -97,7 +97,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
 
-    let title = "A blow on a polyethylene rod with a steel cap";
+    let title = "Impact on a polyethylene rod with a steel cap";
     let path = Figure::new("striker_on_a_polymer_rod", title, panels.into()).write_to(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../target/examples"

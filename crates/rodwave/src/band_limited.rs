@@ -234,7 +234,7 @@ impl SampledHistory {
         let position = time * self.fine_rate + LEAD as f64;
         let last = (self.fine.len() - 3) as f64;
         let index = position.floor().clamp(1.0, last);
-        // the index of NaN is 1; the position, and so the value read there, stays NaN
+        // for a NaN time the index is 1, and the position stays NaN, which makes the value NaN
         ((index as usize).max(1), (position - index).clamp(-1.0, 2.0))
     }
 
@@ -391,7 +391,7 @@ impl Recorder {
         reason = "clamped to the record before the cast"
     )]
     pub fn filtered(&self, history: &[f64], step: f64, time: f64) -> f64 {
-        // the kernel in units of its own sample, 1/(2 cutoff)
+        // the kernel in units of the sampling interval of the cut-off, 1/(2 cutoff)
         let scale = 2.0 * self.cutoff_hz;
         let half_width = Self::HALF_WIDTH * scale / self.rate_hz;
         let first = ((time - self.reach()) / step).ceil().max(0.0) as usize;

@@ -24,7 +24,7 @@
 //! let mobility = cylinder.mobility(omega)?; // v/F, s/kg
 //! assert!((mobility.im - 3.52231105718e-4).abs() < 1e-14);
 //!
-//! // and what reaches the middle of the last section, for 1 N s at the face
+//! // the state at the middle of the last section, for an impulse of 1 N s on the impact face
 //! let state = cylinder.section(3, 0.0625)?.state(omega)?;
 //! assert!(state.velocity.norm() > 0.0);
 //! # Ok::<(), rodwave::RodwaveError>(())

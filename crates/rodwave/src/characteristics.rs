@@ -59,7 +59,7 @@ const FEWEST_CELLS: usize = 8;
 /// let times: Vec<f64> = (0..120).map(|k| f64::from(k) / rate).collect();
 /// let response = DirectProblem::new(rod, 200)?
 ///     .free_end_velocity(&SampledHistory::new(&excitation, rate)?, &times)?;
-/// // a free end doubles the incident velocity, less what the law dissipates on the way
+/// // the free end doubles the incident velocity, which dissipation by the law has reduced
 /// let peak = response.iter().copied().fold(0.0, f64::max);
 /// assert!(peak > 10.0 && peak < 16.0);
 /// # Ok::<(), rodwave::RodwaveError>(())

@@ -22,7 +22,7 @@
 //! use rodwave::inelastic::Maxwell;
 //! use rodwave::{DirectProblem, InelasticRod};
 //!
-//! // the end of a polyamide rod is set in motion at once: when and how does the other end follow?
+//! // one end of a polyamide rod is suddenly set in motion: when does the other end begin to move?
 //! let rod = InelasticRod::new(0.4, 1140.0, 3.209e9, Maxwell::new(4e6)?)?;
 //! let problem = DirectProblem::new(rod, 400)?;
 //! let mut march = problem.march(9.0);

@@ -320,14 +320,14 @@ impl Line {
     /// ```
     /// use rodwave::line::{Body, Line, Segment};
     ///
-    /// // two equal bars, one moving: after the impact half of the first bar's length is crossed by the wave in either
+    /// // one of two equal bars moves and hits the other; a wave then crosses half of each bar
     /// let bar = || Body::new([Segment::elastic(0.5, 2e-4, 7800.0, 206e9)?]);
     /// let line = Line::new([bar()?.moving_at(4.0)?, bar()?])?;
     /// let crossing = 0.5 / (206e9_f64 / 7800.0).sqrt();
     /// let diagram = line.diagram(0.01 * crossing, 0.5 * crossing, 10)?;
     /// let last = diagram.at(&diagram.velocity, diagram.times.len() - 1);
     /// let at = |x: f64| diagram.positions.iter().position(|p| *p > x).map(|cell| last[cell]);
-    /// assert_eq!(at(0.2), Some(4.0)); // not yet
+    /// assert_eq!(at(0.2), Some(4.0)); // the wave has not arrived here
     /// assert!(at(0.45).is_some_and(|v| (v - 2.0).abs() < 1e-12)); // half the velocity of the striker
     /// # Ok::<(), rodwave::RodwaveError>(())
     /// ```

@@ -40,7 +40,7 @@
 //!     length,
 //! )?;
 //! let mobility = (p_b * p_a).mobility_free_end()?;
-//! assert!(mobility.re > 0.0); // a passive body takes energy
+//! assert!(mobility.re > 0.0); // a passive body absorbs energy
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
 //!

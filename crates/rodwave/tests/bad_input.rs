@@ -71,7 +71,8 @@ fn refuse(refusals: &mut Refusals, what: &str, builder: ChainBuilder) {
     refusals.add(what, ended);
 }
 
-/// The values are tried in turn, so that each kind of value is met at each place.
+/// Each impossible value is used for each size of a rod; cones and horns have one invalid size
+/// each.
 #[test]
 fn sizes_of_elements() {
     let mut refusals = Refusals::default();
@@ -84,7 +85,7 @@ fn sizes_of_elements() {
         refuse(&mut refusals, "rod", begun().rod(&steel, diameter, 0.1));
     }
     let wrong = || CrossSection::of_area(-0.5);
-    // each of the two is possible, but not together with the other
+    // each of the two areas is valid alone, but their ratio is infinite
     let [least, most] = [1e-300, 1e300].map(|area| CrossSection::of_area(area).unwrap());
     for (what, builder) in [
         ("cone", begun().cone(&steel, circle(), circle(), -0.5)),
@@ -120,7 +121,7 @@ fn sizes_of_elements() {
     ");
 }
 
-/// Medium of another implementation, which may claim any density.
+/// Medium implemented outside the crate, whose density is not checked when it is created.
 #[derive(Debug, Clone)]
 struct Claimed {
     density: f64,
@@ -266,7 +267,7 @@ fn laws_outside_their_table() {
     ");
 }
 
-/// Table that is not continued.
+/// Law of a table that is not continued: NaN outside the band.
 #[derive(Debug, Clone)]
 struct Banded(Tabulated);
 
@@ -278,7 +279,7 @@ impl ComplexModulus for Banded {
     }
 }
 
-/// Values to the left of the imaginary axis, and values that are not finite.
+/// Invalid Laplace variables: one with a negative real part, and three that are not finite.
 fn wrong_sides() -> [Complex64; 4] {
     [
         Complex64::new(-1.0, 5.0),
@@ -310,12 +311,12 @@ fn laplace_variable_on_the_wrong_side() {
             section.state_at_s(s).map(|_| ()),
         ]
         .map(|result| result.unwrap_err().to_string());
-        // the message is the same wherever the error is noticed
+        // all functions return the same message
         texts.sort();
         assert_eq!(texts.first(), texts.last());
         writeln!(refusals.0, "{s}: {}", texts[0]).unwrap();
     }
-    // at a pole of the slowness, a propagation coefficient cannot be used
+    // where the slowness has a pole, the propagation coefficient is rejected
     let fluid = Medium::new(1000.0, rodwave::modulus::Maxwell::new(1e9, 1e6).unwrap()).unwrap();
     let at_rest = fluid.try_propagation_coefficient_at_s(Complex64::ZERO);
     refusals.add("fluid at rest", at_rest);
@@ -340,7 +341,7 @@ fn damped_synthesis() {
     refusals.add("smoothing", synthesis.smoothed(-0.5));
     let synthesis = DampedSynthesis::new(4e-6, 1e-6).unwrap();
     refusals.add("smoothing", synthesis.smoothed(1e-6));
-    // the synthesis never evaluates a transform on the wrong side
+    // all arguments of the synthesis are in the right half plane
     assert!(
         synthesis
             .arguments()
@@ -534,7 +535,7 @@ fn endless_grids_and_runs() {
         let said = error.to_string();
         assert!(said.starts_with("number of time steps is "), "{said}");
     }
-    // before the record, nothing is defined
+    // times before the start of the record are rejected
     assert!(lumped(&[-1e300]).is_err() && lumped(&[-1.0]).is_err());
 }
 
@@ -629,7 +630,7 @@ fn laws_of_too_many_parameters() {
     derivatives: list of parameters of the law has 5 entries, expected 4
     branch: list of parameters of the law has 5 entries, expected 4
     ");
-    // parameters beyond the largest number of parameters have no derivatives
+    // derivatives are computed for the first four parameters only
     let changes = FiveParameters.change_with_sensitivity(&[1e6; LANES], 5);
     assert_eq!(
         changes,
@@ -637,8 +638,7 @@ fn laws_of_too_many_parameters() {
     );
 }
 
-/// A slice that is too short for the derivatives with respect to the parameters gets the first of
-/// them.
+/// A slice with fewer entries than the law has parameters receives the first derivatives.
 #[test]
 fn slices_too_short_for_the_parameters() {
     fn check(law: &impl InelasticLaw) {

@@ -89,9 +89,9 @@ fn the_rod_is_at_rest_until_the_front_arrives() {
     assert!(v[3] > 5.0);
 }
 
-/// The front of a sharp blow rises within four steps. It meets the grid at the same fraction of a
-/// step for any modulus: the arrival, weighted with a smooth bell, must not oscillate with E at the
-/// period of a step.
+/// The front of a sharp impact rises within four steps. It enters the grid at the same fraction of
+/// a step for any modulus: the arrival, weighted with a smooth bell, must not oscillate with E at
+/// the period of a step.
 #[test]
 fn the_arrival_of_a_sharp_front_is_a_smooth_function_of_the_modulus() {
     let rate = 204_800.0;
@@ -124,6 +124,6 @@ fn the_arrival_of_a_sharp_front_is_a_smooth_function_of_the_modulus() {
     let wave = (0..of.len() - 21)
         .map(|k| (of[k + 21] - 3.0 * of[k + 14] + 3.0 * of[k + 7] - of[k]).abs() / 8.0)
         .fold(0.0, f64::max);
-    // with levels from time 0, the ratio was 0.107
+    // if the levels begin at time 0, the ratio is 0.107
     assert!(wave < 5e-3 * slope.abs(), "{wave} of {slope}");
 }

@@ -13,7 +13,7 @@ use testbed::difference::largest;
 use crate::bodies::{nylon, polypropylene};
 use crate::claims::experiments::{blow, printed_ratio, specimen, transform_of};
 
-/// The kinetic energy of the rod, when it no longer vibrates, is less than the work of the blow.
+/// The kinetic energy of the rod after its vibration has decayed is less than the work of the hit.
 #[test]
 fn work_is_more_than_the_energy_that_is_left() {
     let test = EndAccelerationTest::analytic(&polypropylene(), &specimen()).unwrap();
@@ -46,7 +46,7 @@ fn tails_of_periodic_records() {
     let periodic = record(20.0, 25_001);
     assert_eq!(periodic.generator, PERIODIC_GENERATOR);
     assert!((periodic.interval - 1e-6).abs() < 1e-18);
-    // ringing due to the band limit at the start of the blow: (Δt/d)² = 6e-6 in the last sample
+    // ringing due to the band limit at the start of the hit: (Δt/d)² = 6e-6 in the last sample
     let tail = periodic.tail;
     assert!(
         matches!(tail, Tail::DiedOut { late_level } if late_level < 2e-5),
@@ -56,7 +56,7 @@ fn tails_of_periodic_records() {
     assert!(matches!(tail, Tail::WrappedAround { .. }), "{tail:?}");
 }
 
-/// The power laws of paper E, eq. 7, are used on the frequency axis, where alone they are defined.
+/// The power laws of paper E, eq. 7, are defined on the frequency axis only, and are used there.
 #[test]
 fn law_that_is_known_on_the_axis_only() {
     let test = EndAccelerationTest::new(&nylon(), &specimen()).unwrap();
@@ -68,9 +68,9 @@ fn law_that_is_known_on_the_axis_only() {
         "{:?}",
         record.tail
     );
-    // The laws are not a causal pair: there is a motion ahead of the front, at most at the level of
-    // their defect, 3e-4 of the modulus. A wave of 100 kHz, which is above the content of the blow,
-    // takes 0.18 ms.
+    // The laws are not a causal pair: there is motion ahead of the front, at most at the level of
+    // their distance from a causal law, 3e-4 of the modulus. A wave of 100 kHz, which is above the
+    // content of the hit, takes 0.18 ms.
     let ahead =
         largest(record.free_end[..50].iter().copied()) / largest(record.free_end.iter().copied());
     assert!(ahead < 1e-3, "{ahead}");
@@ -79,7 +79,7 @@ fn law_that_is_known_on_the_axis_only() {
         let at = |samples| transform_of(samples, 0.0, record.interval, omega);
         let ratio = at(&record.impacted_end) / at(&record.free_end);
         let expected = printed_ratio(&nylon(), omega);
-        // the value of a line on the grid of a discrete transform returns with rounding errors only
+        // at a line of its grid, the discrete transform of the history has only rounding errors
         assert!(
             (ratio - expected).norm() < 1e-9 * (1.0 + expected.norm()),
             "{omega}"
@@ -138,7 +138,7 @@ fn impossible_tests_are_refused() {
         HalfSine::new(1.0, 0.0).unwrap_err().to_string(),
         "duration of the pulse [s] is 0, expected a finite value above 0"
     );
-    // without a force there is no response, and no division by the force
+    // without a force the response is zero; nothing is divided by the force
     struct Nothing;
     impl Pulse for Nothing {
         fn at(&self, _time: f64) -> f64 {

@@ -82,11 +82,12 @@ fn two_free_elastic_rods() {
     let record = run(&short, &long, 3e-3, 5e-7);
     assert_eq!(record.generator, GENERATOR);
     let (trip, period) = (2.0 * transit_time(0.3), 2.0 * transit_time(0.7));
-    // The force jumps to tension: any compression after that is rounding of the zero before it.
+    // From 2L₁/c until the force jumps to tension, it is zero: compression in this interval is only
+    // rounding.
     let mass = [&short, &long].map(|body| body.free_mass().unwrap());
     assert!((record.impulse() / (mass[0] * VELOCITY) - 1.0).abs() < 1e-6);
-    // In each period of the longer rod, the face moves with V/2 and then, when the echo arrives,
-    // with V/2 + V/2 for 2L₁/c.
+    // In the first period of the longer rod, the face moves with V/2 for 2L₁/c; in each later
+    // period, when the echo arrives, with V.
     let exact = |t: f64| {
         let phase = t.rem_euclid(period);
         match (t > 0.0, phase < trip, t < period) {
@@ -99,8 +100,7 @@ fn two_free_elastic_rods() {
         .flat_map(|n| [f64::from(n) * period, f64::from(n) * period + trip])
         .collect();
     let error = deviation(&record, &record.second_velocity, &jumps, exact);
-    // The force as a function of samples has ended; the alias of a velocity that does not decay is
-    // 1.1e-7.
+    // After the end of the force, the error is the alias of a velocity that does not decay, 1.1e-7.
     assert!(error < 1e-6 * VELOCITY, "{error}");
     let mean = 0.5 * VELOCITY * 2.0 * trip / period;
     assert!((mean / (mass[0] * VELOCITY / mass[1]) - 1.0).abs() < 1e-12);
@@ -160,7 +160,7 @@ fn masses_with_a_contact_spring() {
     let ContactEnd::Separated { time } = record.end else {
         panic!("{:?}", record.end)
     };
-    // error of the chord of the sine: (ωΔt)²/8 of a step at most
+    // error of the linear interpolation of the zero of the sine: at most (ωΔt)²/8 of a step
     assert!((time - PI / omega).abs() < 1e-3 * interval, "{time}");
     // the Gaussian multiplies a sine by e^{-(σω)²/2}, which differs from 1 by 2e-5 here
     let rounded = (-0.5 * (2.5 * interval * omega).powi(2)).exp();
@@ -180,16 +180,16 @@ fn masses_with_a_contact_spring() {
     assert!((record.impulse() / impulse - 1.0).abs() < (omega * 2.5 * interval).powi(2));
     let after = record.second_velocity.last().unwrap();
     assert!((after / (impulse / m2) - 1.0).abs() < (omega * 2.5 * interval).powi(2));
-    // The free end of the spring stops suddenly, a jump that the samples of the force do not round.
-    // It rings as 1/(πn) with alternating sign: 3e-4 after 1000 samples, multiplied by e^{at} =
-    // 1.5; the mean of two neighbours rings less by the factor 1/n.
+    // The free end of the spring stops suddenly, and this jump is not smoothed. The velocity rings
+    // as 1/(πn) with alternating sign: 3e-4 after 1000 samples, multiplied by e^{at} = 1.5; the
+    // mean of two neighbouring samples rings less by the factor 1/n.
     let n = 1000 + record.force.iter().rposition(|&force| force > 0.0).unwrap();
     let after = 0.5 * (record.first_velocity[n] + record.first_velocity[n + 1]);
     let lost = (VELOCITY - after) / (impulse / m1);
     assert!((lost - 1.0).abs() < 1e-3, "{lost}");
 }
 
-/// A damped cone, narrow end first, on a long steel rod. Until the end of the contact, the faces
+/// A damped cone hits a long steel rod with its narrow end. Until the end of the contact, the faces
 /// move together. The cone loses the impulse, and its vibration decays to the remaining velocity.
 /// The energy in the rod is ∫F²/Z dt.
 #[test]

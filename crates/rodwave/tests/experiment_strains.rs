@@ -103,7 +103,7 @@ fn strain_obeys_the_wave_equation() {
     }
 }
 
-/// The single strains depend on the ends: structures I and II differ, and so do their histories.
+/// The strain histories depend on the ends of the rod: those of structures I and II differ.
 #[test]
 fn structures_one_and_two() {
     let bar = Medium::new(919.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap();
@@ -137,13 +137,13 @@ fn structures_one_and_two() {
             .zip(&second.strains[1][from..to]);
         pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs())) / peak
     };
-    // the wave that the lump reflects reaches the middle after 1.2 m at less than 2000 m/s; before
-    // that, the histories are equal, except for the alias of the next period, 1.1e-7
+    // the wave that the lump reflects reaches the middle after travelling 1.2 m at less than 2000
+    // m/s; before that, the histories are equal, except for the alias of the next period, 1.1e-7
     assert!(difference(0, 300) < 1e-6);
     assert!(difference(300, 10_001) > 0.1);
 }
 
-/// Momentum: with masses at both ends and no connection to the ground, the force leads to V =
+/// Momentum: with masses at both ends and no connection to the ground, the final velocity is V =
 /// I/(m_L + M + m_R). The rod has transmitted I - m_L V through its left end and m_R V through its
 /// right end, and ∫N dt = A E₀ ∫ε dt with the relaxed modulus E₀.
 #[test]
@@ -183,8 +183,7 @@ fn impulses_through_the_ends() {
     }
 }
 
-/// The histories are those of the spectra: summed over a record that has decayed, they give the
-/// spectra again.
+/// The transforms of the histories, summed over a record that has decayed, equal the spectra.
 #[test]
 fn histories_and_spectra_agree() {
     let bar = Medium::new(919.0, Zener::new(2.4e9, 2.6e9, 5e-5).unwrap()).unwrap();

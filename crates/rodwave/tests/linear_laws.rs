@@ -100,7 +100,7 @@ fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
             (law.at(1e-300) - static_modulus).norm() < 1e-9 * 2.7e9,
             "{name}"
         );
-        // In this case the slowest is ω^-0.5: (1e96)^-0.5.
+        // The law that approaches E(∞) most slowly, as ω^-0.5, is within (1e96)^-0.5 of it.
         if let Some(unrelaxed_modulus) = case.unrelaxed_modulus {
             assert!(
                 (law.at(1e100) - unrelaxed_modulus).norm() < 1e-9 * 2.7e9,

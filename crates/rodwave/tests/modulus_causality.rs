@@ -51,8 +51,8 @@ pub(crate) fn laws() -> Vec<Box<dyn ComplexModulus>> {
     laws
 }
 
-/// The result is a material: its parts give the values at the lines, and it is a law that can be
-/// used at complex s.
+/// The equilibrium modulus, the branches and the viscosity of the nearest material form a law whose
+/// values at the lines are those of the result.
 #[test]
 fn nearest_material_has_the_values_of_its_lines() {
     let omega = band(500.0, 1e4);
@@ -133,7 +133,7 @@ fn lines_count_by_their_own_errors() {
     assert!(causal.residual <= 1.0 + 1e-3, "{}", causal.residual);
     let not_causal = measured(&|_| Complex64::new(2.6e9, 0.07 * 2.6e9));
     assert_eq!(test(&not_causal).verdict(), Verdict::NotCausal);
-    // with a common error for all lines, the bad lines mask the violation
+    // with the same error for all lines, the lines with large errors mask the violation
     let worst = KramersKronig::of_modulus(&omega, &not_causal, 0.1).unwrap();
     assert_eq!(worst.verdict(), Verdict::Causal);
 

@@ -22,8 +22,8 @@ fn the_allocator_counts() {
     assert_eq!(measure(|| drop(black_box(vec![1.0; 8]))).count_total, 1);
 }
 
-/// Advances from the first step, far enough for the windows to return to their start, with the
-/// results that a program would read at each step.
+/// Advances from the first step until the windows have returned to the start of their buffers, and
+/// reads the results at each step.
 fn march_allocates_nothing<L: InelasticLaw>(law: &L) {
     for (cells, velocity) in [(8, 9.0), (47, 9.0), (400, 9.0), (100, 60.0)] {
         let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();

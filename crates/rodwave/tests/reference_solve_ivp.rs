@@ -67,8 +67,8 @@ fn converges(
     assert!(left < tolerance + reference.error, "{name}: {left:e} m/s");
 }
 
-/// The same sixty masses: only the second-order error of the step of the leapfrog scheme remains.
-/// An error of the order of the dispersion of the cells would be a fault.
+/// Comparison with sixty masses integrated by `solve_ivp`: only the second-order error of the time
+/// step of the leapfrog scheme remains. The dispersion of the cells is the same in both.
 #[test]
 fn the_lumped_chain_is_its_differential_equations() {
     fn check<L: InelasticLaw>(name: &str, law: L) {
@@ -90,7 +90,8 @@ fn the_lumped_chain_is_its_differential_equations() {
     );
 }
 
-/// The rod itself: the collocation in space uses neither cells nor characteristics.
+/// Comparison with the continuous rod, whose reference uses collocation in space, neither cells nor
+/// characteristics.
 #[test]
 fn characteristics_converge_to_the_collocated_rod() {
     fn check<L: InelasticLaw>(name: &str, law: L) {

@@ -103,7 +103,7 @@ fn long_waves_have_the_asymptotic_series() {
             "{nu}: {coarse:e} {fine:e}"
         );
 
-        // Love's theory has the first term of it: its remainder decreases as K²
+        // Love's theory contains only the first term of this series: its remainder decreases as K²
         let love_remainder = |wave: f64| {
             (bar_number(&love(nu), wave.into()) - bar_number(&exact(nu), wave.into())).norm() / wave
         };
@@ -111,7 +111,7 @@ fn long_waves_have_the_asymptotic_series() {
     }
 }
 
-/// Near ν = 0 everything is continuous as long as the second branch is far away.
+/// For small ν, the correction is of order ν² as long as the second branch is far away.
 #[test]
 fn small_lateral_contraction_corrects_little() {
     for nu in [1e-9, 1e-5, 1e-3] {
@@ -120,8 +120,8 @@ fn small_lateral_contraction_corrects_little() {
     }
 }
 
-/// Branches that almost cross, ν = 1e-3 near ka = 1.84: the elastic branch turns off, and a lossy
-/// one continues straight.
+/// Branches that almost cross, ν = 1e-3 near ka = 1.84: the branch of an elastic rod turns away,
+/// that of a lossy rod continues straight.
 #[test]
 fn veering_is_followed_not_jumped() {
     let bar = 3.8;
@@ -132,14 +132,14 @@ fn veering_is_followed_not_jumped() {
     assert!((lossy / lossy_bar - 1.0).norm() < 1e-3, "{lossy}");
     let back = bar_number(&exact(1e-3), elastic);
     assert!((back / bar - 1.0).norm() < 1e-9, "{back}"); // rounding over the gap of 1e-3
-    // Cases that double precision cannot distinguish are reported, not guessed.
+    // At ν = 1e-13, double precision cannot separate the branches, and the result states this.
     let undecidable = exact(1e-13)
         .propagation_coefficient(MODULUS.into(), omega_of_bar_number(bar))
         .unwrap();
     let FirstBranch::Left { reached } = undecidable else {
         panic!("{undecidable:?}");
     };
-    // at ka = 1.841, out of √3.8 = 1.949
+    // the branch is lost at ka = 1.841, on the path to √3.8 = 1.949
     assert!((reached * bar.sqrt() - 1.8412).abs() < 1e-3, "{reached}");
 }
 
@@ -193,8 +193,8 @@ fn standard_error_by_poissons_ratio() {
     assert!((relative / (error.storage_modulus / corrected.modulus.re) - 1.0).abs() < 0.2);
 }
 
-/// A small imaginary part of Poisson's ratio, by the derivative: the number on the page of the
-/// module.
+/// Effect of a small imaginary part of Poisson's ratio on the loss factor, compared with the number
+/// in the documentation of the module.
 #[test]
 fn imaginary_part_of_poissons_ratio_lowers_the_loss_factor() {
     let modulus = MODULUS * Complex64::new(1.0, 0.08);
@@ -311,7 +311,7 @@ fn unphysical_input_is_refused() {
     assert!(Theory::LoveRayleigh.error_left(0.0, 0.4).is_err());
 }
 
-/// Two moduli can have the same short wave on their first branches if losses are high. The
+/// If losses are high, two moduli can have the same short wave on their first branches. The
 /// documentation states which one is returned.
 #[test]
 fn short_wave_in_a_lossy_rod_has_two_moduli() {
@@ -333,8 +333,8 @@ fn short_wave_in_a_lossy_rod_has_two_moduli() {
     assert!((wave(other) / gamma - 1.0).norm() < 1e-10); // both are roots to rounding
 }
 
-/// A root of the inverse direction that does not lead back to the wave is not returned; the example
-/// is a heavily damped auxetic rod.
+/// A modulus found from γ whose first branch does not have this γ is not returned; the example is a
+/// heavily damped auxetic rod.
 #[test]
 fn modulus_of_another_branch_is_withheld() {
     let gamma = Complex64::new(0.5, 1.0) * 1.95 / RADIUS;
@@ -363,8 +363,8 @@ proptest! {
         }
     }
 
-    /// A modulus that is returned leads back, at any frequency and loss, to the wave, even if it is
-    /// not the only one.
+    /// A modulus returned for a wave has this wave on its first branch, at any frequency and loss,
+    /// even if other moduli do too.
     #[test]
     fn modulus_leads_back_to_the_wave(
         nu in -0.9..0.5f64,

@@ -44,7 +44,8 @@ pub struct LinearBranch {
 /// let excitation: Vec<f64> = (0..600)
 ///     .map(|k| 8.0 * (-((f64::from(k) / rate - 0.4e-3) / 80e-6).powi(2)).exp())
 ///     .collect();
-/// // half a spring, a tenth that relaxes in 20 us, the rest by Norton's law
+/// // shares of the modulus: 0.5 for a spring, 0.1 for a Maxwell branch of 20 us, the rest for
+/// // Norton's law
 /// let rod = InelasticRod::new(0.394, 1140.0, 3e9, MaxwellNorton::new(2.1, 7e13)?)?.with_spring(0.5)?;
 /// let fast = LinearBranch { share: 0.1, time: 20e-6 };
 /// let times: Vec<f64> = (0..500).map(|k| f64::from(k) / rate).collect();

@@ -193,7 +193,7 @@ mod tests {
         }
     }
 
-    /// The series and the difference, on both sides of their border.
+    /// Compares the series and the difference at the limit |x| = 1 between them.
     #[test]
     fn cone_function_is_continuous_where_its_forms_meet() {
         for angle in [0.0, 0.6, 1.2, std::f64::consts::FRAC_PI_2] {

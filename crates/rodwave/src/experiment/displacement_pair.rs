@@ -68,7 +68,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
     ///     section_distance: 0.394,
     /// };
     /// let pair = test.displacements(2e-3, 1e-3)?;
-    /// // a transducer of half a millimetre has lost the free end before the millisecond is over
+    /// // the free end leaves the range of a 0.5 mm transducer within the first millisecond
     /// assert!(pair.in_range_until(0.5e-3) < 1e-3);
     /// # Ok::<(), rodwave::RodwaveError>(())
     /// ```

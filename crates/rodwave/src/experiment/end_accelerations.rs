@@ -18,7 +18,7 @@
 //! use rodwave::modulus::ConstantQ;
 //! use rodwave::synthesis::DampedSynthesis;
 //!
-//! // test 5 of paper A, 400 mm of polypropylene, with a blow of 100 N and 0.1 ms
+//! // test 5 of paper A, 400 mm of polypropylene, hit with 100 N for 0.1 ms
 //! let polypropylene = Medium::new(915.0, ConstantQ::new(2.6e9, 0.07, 1e4)?)?;
 //! let specimen = Specimen {
 //!     section: Circle::of_diameter(0.0158)?.into(),

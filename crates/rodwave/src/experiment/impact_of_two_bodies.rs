@@ -19,7 +19,8 @@
 //! use rodwave::medium::Medium;
 //! use rodwave::modulus::Elastic;
 //!
-//! // 0.5 m of steel rod against a long one, half as wide: F = ZV, and the contact ends after one round trip
+//! // a steel rod of 0.5 m hits a long rod of twice its area: the contact ends after one round
+//! // trip in the short rod
 //! let steel = Medium::new(7780.0, Elastic::new(206e9)?)?;
 //! let (thin, wide) = (Circle::of_diameter(0.010)?, Circle::of_diameter(0.014)?);
 //! let striker = AnalyticChain::analytic_from_impact_face()

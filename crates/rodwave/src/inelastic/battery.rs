@@ -6,9 +6,9 @@ use super::{InelasticLaw, LANES, RelaxationFlow};
 
 const MODULUS: f64 = 2.5e9;
 
-/// Classical Runge-Kutta method for ln|σ|. The steps are uniform while the stress barely changes,
-/// and then in proportion to the elapsed time; in such a step, a relaxation changes by the same
-/// amount however stiff its beginning is.
+/// Classical Runge-Kutta method for ln|σ|. The steps are uniform while the stress barely changes;
+/// later they are proportional to the elapsed time, so that the stress changes by about the same
+/// fraction in each step, even if the relaxation was fast at its start.
 fn integrate<L: InelasticLaw>(law: &L, stress: f64, duration: f64) -> f64 {
     let rate = |z: f64| -MODULUS * law.inelastic_strain_rate(z.exp()) / z.exp();
     let step = |z: f64, h: f64| {

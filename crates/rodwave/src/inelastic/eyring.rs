@@ -15,7 +15,7 @@ use crate::error::{check_finite, check_positive};
 ///
 /// let law = Eyring::new(0.3, 2.5e6)?;
 /// assert!((law.inelastic_strain_rate(8e6) / (0.3 * f64::sinh(3.2)) - 1.0).abs() < 1e-13);
-/// // of polycarbonate at room temperature: 1.6 nm³
+/// // 1.6 nm³, as for polycarbonate at room temperature
 /// assert!((law.activation_volume(293.0) / 1.6e-27 - 1.0).abs() < 0.02);
 /// # Ok::<(), rodwave::RodwaveError>(())
 /// ```
@@ -201,7 +201,7 @@ impl EyringFlow {
         });
         let drop = lanes!(|i| {
             let all = rest[i] + self.decay * tanh[i] * tanh[i];
-            // a stress above 700 σ* falls at once: both terms of `all` have underflowed to 0
+            // above 700 σ*, both terms of `all` have underflowed to 0, and the stress drops at once
             if all > 0.0 {
                 tanh[i] * self.decay / all
             } else {
@@ -290,7 +290,7 @@ impl RelaxationFlow for EyringFlow {
                 -2.0 * self.left * falls / all,
             )
         } else {
-            // at more than 700 σ*, a step of zero length
+            // above 700 σ*, if the step has zero length: the stress does not change
             (1.0, 0.0)
         };
         let by_advance = (self.activation_stress * by_advance).copysign(-stress);

@@ -580,7 +580,8 @@ mod tests {
             .flow(2.58e9, 5.85e-7);
         for stress in [1.0, 1e5, -2e6, 1e7] {
             let alone = flow.change(&[stress; LANES]);
-            // these take five, seven and nine terms, parts, and the path cell by cell
+            // these stresses require five, seven and nine terms, division into parts, and the
+            // solution cell by cell
             for harder in [1.05e7, 1.4e7, 2.1e7, 3e7, 4e7, 8e7] {
                 let mut cells = [stress; LANES];
                 cells[LANES - 1] = harder;

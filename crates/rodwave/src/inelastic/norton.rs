@@ -228,8 +228,8 @@ impl NortonFlow {
     fn long_fall(&self, a: &[f64; LANES]) -> Fall {
         let sum = lanes!(|i| 1.0 + self.excess * a[i]);
         let ln_sum = elementary::ln(&sum);
-        // x is computed from the rounded 1 + x of which the logarithm is taken: the quotient ln(1 +
-        // x)/x is then exact
+        // x is computed from the rounded value of 1 + x whose logarithm is taken: the quotient ln(1
+        // + x)/x is then exact to rounding
         let exponent = lanes!(|i| {
             let rounded = sum[i] - 1.0;
             if rounded == 0.0 {
@@ -351,9 +351,9 @@ impl RelaxationFlow for NortonFlow {
             let gone = x <= -1.0;
             let relaxed = stress[i] * kept[i];
             let by_log_rate = if gone { 0.0 } else { -relaxed * a * inverse };
-            // as the function `bend`, but with another limit of the series: the result is
-            // multiplied by a, and at this limit a rounding error of 1e-15 divided by the square of
-            // 2e-2 is negligible
+            // the expression of the function `bend`, with another limit for the series: the result
+            // is multiplied by a, and a rounding error of 1e-15 divided by the square of 2e-2 is
+            // negligible
             let bend = if x.abs() < SHORT {
                 0.5 - x * (2.0 / 3.0 - x * (0.75 - x * (0.8 - x * (5.0 / 6.0 - x * (6.0 / 7.0)))))
             } else {
@@ -398,7 +398,7 @@ impl RelaxationFlow for NortonFlow {
         if self.overflows(a) {
             let relaxed = stress * self.factor_of_overflow(ratio);
             let n = self.excess;
-            // σ1 = σ_ref (n E h r/σ_ref)^{-1/n} no longer depends on σ0
+            // σ1 = σ_ref (n E h r/σ_ref)^{-1/n} does not depend on σ0
             let by_exponent = relaxed * ((n * self.advance).ln() - 1.0) / n / n;
             for (slot, value) in by_parameter.iter_mut().zip([by_exponent, -relaxed / n]) {
                 *slot = value;

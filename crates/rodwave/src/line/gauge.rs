@@ -108,7 +108,7 @@ impl GaugeState {
         }
     }
 
-    /// Reads the present state, including the half relaxation that ends the step.
+    /// Returns the values in the present state, including the half relaxation that ends the step.
     pub(super) fn read(&mut self, bar: &mut Bar) {
         bar.prepare_block(self.first, STENCIL, true);
         let interpolate = |values: &[f64]| -> f64 {

@@ -129,8 +129,8 @@ mod tests {
 
     #[test]
     fn two_segments_err_by_the_second_order_of_the_step() {
-        // among n counts, the best fraction of a step is of order 1/n, and it is spread over n
-        // steps
+        // among n numbers of cells, the least rounding is of order 1/n of a step, and it is
+        // distributed over n steps
         let times = [100e-6, 100e-6 / std::f64::consts::SQRT_2];
         for cells in [20.0, 80.0, 320.0] {
             let grid = Grid::of(&times, 100e-6 / cells, 1.0).unwrap();

@@ -27,7 +27,7 @@ pub struct LineHistory {
     pub ledger: Ledger,
 }
 
-/// Readings of one gauge at 0, dt, 2 dt ...
+/// Values at one gauge at the times 0, dt, 2 dt ...
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SectionHistory {
     /// Particle velocity [m/s].

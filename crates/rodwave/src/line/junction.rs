@@ -253,7 +253,7 @@ impl Terminal {
         })
     }
 
-    /// Computes the derivatives of the meeting with respect to parameter `index`.
+    /// Computes the derivatives of force and velocity of the end with respect to parameter `index`.
     pub(super) fn meet_tangent(
         &mut self,
         index: usize,

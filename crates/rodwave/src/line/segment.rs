@@ -24,7 +24,7 @@ use crate::{InelasticRod, RodwaveError};
 /// use rodwave::inelastic::{Elastic, Maxwell};
 /// use rodwave::line::Segment;
 ///
-/// // a Zener solid: 2 GPa that last, 0.5 GPa that relax within 0.1 ms
+/// // a Zener solid: equilibrium modulus 2 GPa, and 0.5 GPa that relaxes with a time of 0.1 ms
 /// let zener = Segment::new(0.4, 2e-4, 1140.0)?
 ///     .with_branch(2.0e9, Elastic)?
 ///     .with_branch(0.5e9, Maxwell::new(0.5e9 * 1e-4)?)?;

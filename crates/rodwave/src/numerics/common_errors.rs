@@ -10,10 +10,11 @@
 /// ```
 /// use rodwave::numerics::CommonErrors;
 ///
-/// // three readings of one length, with an error of the scale of 3 reading errors
+/// // three measurements of one length; the error of the scale is 3 times the random error of a
+/// // measurement
 /// let common = CommonErrors::new(vec![vec![3.0; 3]]);
 /// let mut residual = [3.1, 2.9, 3.0];
-/// // one standard uncertainty of the scale, less 1 of 28 parts for its own smallness
+/// // the mean of 3 is one standard uncertainty of the scale; the term ξ² reduces ξ by 1 part in 28
 /// assert!((common.sizes(&residual)[0] - 27.0 / 28.0).abs() < 1e-12);
 /// common.whiten(&mut residual);
 /// let square: f64 = residual.iter().map(|r| r * r).sum();

@@ -187,8 +187,8 @@ impl FreeEndWaves {
         })
     }
 
-    /// Returns the wave towards the end at a gauge at the `distance` d \[m\] from the end, from its
-    /// whole record of the `strain`.
+    /// Returns the wave towards the end at a gauge at the `distance` d \[m\] from the end, from the
+    /// complete record of its `strain`.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the distance is above 0,
@@ -215,8 +215,8 @@ impl FreeEndWaves {
         Ok(IncidentWave { lines, distance })
     }
 
-    /// Returns the wave towards the end of which `pulse` is the whole record at a gauge at the
-    /// `distance` \[m\] from the end: a pulse that was cut out before its reflection.
+    /// Returns the wave towards the end from `pulse`, its record at a gauge at the `distance` \[m\]
+    /// from the end. The record must contain the whole pulse and no reflection.
     ///
     /// # Errors
     /// The errors of [`Self::incident`]; the distance may be 0.
@@ -350,7 +350,8 @@ mod tests {
         Complex64::new(0.0, TAU * f / SPEED)
     }
 
-    /// Two Gaussian pulses of 0.1 ms, 0.4 ms apart; the reflection arrives within the second.
+    /// Two Gaussian pulses of 0.1 ms, 0.4 ms apart; the reflection of the first arrives during the
+    /// second.
     fn pulses(time: f64) -> f64 {
         let pulse = |at: f64| (-0.5 * ((time - at) / 1e-4).powi(2)).exp();
         pulse(2e-3) - 0.5 * pulse(2.4e-3)
@@ -380,8 +381,9 @@ mod tests {
                 assert!((waves.known_until - until).abs() < 1e-12);
                 for n in (0..N).filter(|n| (*n as f64) < known) {
                     let at = |way: f64| pulses(n as f64 / RATE_HZ - way / SPEED);
-                    // rounding, as the spectrum of the pulses is e^{-44} where the band begins to
-                    // end; a gauge near the end sees a small difference of two waves
+                    // rounding only, because the spectrum of the pulses is e^{-44} where the weight
+                    // of the band begins to decrease; at a gauge near the end, the strain is a
+                    // small difference of two waves
                     let tolerance = 1e-14 * (1.0 + 1.0 / distance);
                     assert!((waves.towards_end[n] - at(way)).abs() < tolerance, "{n}");
                     assert!((waves.from_end[n] + at(back)).abs() < tolerance, "{n}");

@@ -72,8 +72,8 @@ fn matrices_at_complex_s() {
     }
 }
 
-/// A row of short cones between the sections of a horn tends to the horn, with the square of the
-/// length of the cones.
+/// Short cones in series between sections of a horn converge to the horn; the error is proportional
+/// to the square of their length.
 #[test]
 fn a_horn_is_the_limit_of_short_cones() {
     let horn = Segment::horn(section(0.5e-4), section(4e-4), 0.2).unwrap();
@@ -171,7 +171,7 @@ proptest! {
         prop_assert!(distance(&unity, &one) < bound);
     }
 
-    /// P₁₁ and P₂₂ change places for the reversed element: v changes its sign twice.
+    /// P₁₁ and P₂₂ are exchanged for the reversed element, because v changes its sign twice.
     #[test]
     fn mirror_image(
         kind in 0..3usize, near in any_area(), far in any_area(), length in 0.01..0.5f64, omega in any_omega(),
@@ -184,8 +184,8 @@ proptest! {
         prop_assert!(distance(&turned, &back) < 1e-12 * size(&back));
     }
 
-    /// Cut anywhere, the parts in a row are the whole.
-    /// (Ödeen 1993, paper E, eq. A9).
+    /// The matrices of the two parts of an element, cut at any section, multiply to the matrix of
+    /// the whole (Ödeen 1993, paper E, eq. A9).
     #[test]
     fn composition(
         kind in 0..3usize,

@@ -13,7 +13,7 @@ use testbed::difference::relative;
 
 use crate::bodies::{aluminium, circle, nylon, polymer};
 
-/// Nothing overflows at αL = 1e4 and kL = 1e5, and the closed forms hold.
+/// At αL = 1e4 and kL = 1e5, nothing overflows and the mobilities equal closed forms.
 #[test]
 fn strong_damping_and_many_waves() {
     let face = circle(0.02);
@@ -23,7 +23,7 @@ fn strong_damping_and_many_waves() {
     )
     .unwrap();
     let omega = 1e5;
-    // a hundred elements of αL = 1e4 and kL = 1e5 in a row, with jumps of the impedance between
+    // a hundred elements of αL = 1e4 and kL = 1e5 in series, with jumps of the impedance between
     // them
     let z = lossy.specific_characteristic_impedance(omega) * CrossSection::from(face).area();
     let mut row = Chain::from_impact_face();
@@ -117,7 +117,7 @@ fn analytic_chain_continues_the_other() {
             analytic.mobility(omega).unwrap(),
             on_axis.mobility(omega).unwrap(),
         );
-        assert!(relative(found, expected) < 1e-12, "{omega}"); // the laws are evaluated by different roundings
+        assert!(relative(found, expected) < 1e-12, "{omega}"); // the two evaluations of the laws round differently
         let at_s = analytic.mobility_at_s(Complex64::new(0.0, omega)).unwrap();
         assert_eq!(at_s, found);
     }
@@ -137,8 +137,8 @@ fn analytic_chain_continues_the_other() {
     // a positive real function is real for real s, and has Re G >= 0 in the right half plane
     let real = analytic.mobility_at_s(Complex64::new(2e3, 0.0)).unwrap();
     assert!(real.re > 0.0 && real.im.abs() < 1e-15 * real.re);
-    // the first response is that of the struck rod alone: G → 1/Z(∞), with e^{-2αL} from the next
-    // section, αL > 100
+    // for large s, the mobility is that of the struck rod alone, G → 1/Z(∞); the next section
+    // contributes e^{-2αL}, αL > 100
     let first = analytic.mobility_at_s(Complex64::new(1e9, 0.0)).unwrap();
     let z = (2.6e9_f64 * 910.0).sqrt() * CrossSection::from(circle(0.016)).area();
     assert!((first.re * z - 1.0).abs() < 1e-5); // (E₁ - E₀)/E₁/(2sτ) = 2.6e-6

@@ -37,8 +37,9 @@ fn printed_solution_inside_the_cone() {
                 let found = cone.section(0, distance).unwrap().state(omega).unwrap();
                 let what = format!("q = {resistance}, {frequency_hz} Hz, {distance} m");
                 // At a free end, the forces of the two waves cancel. At 200 Hz, where |γx| is 0.2
-                // at the face, (γx + 1)e^{-γx} and (γx - 1)e^{γx} also cancel to a hundredth. The
-                // force at the face is therefore the scale, and rounding costs two digits.
+                // at the face, (γx + 1)e^{-γx} and (γx - 1)e^{γx} also cancel to one hundredth of
+                // their size. The force at the face is therefore the scale, and rounding costs two
+                // digits.
                 let scale = face.normal_force.norm();
                 assert!(
                     (force - found.normal_force).norm() < 1e-12 * scale,
@@ -68,8 +69,8 @@ fn dashpot_behind_the_far_end() {
             for end in [cone.section(0, 0.4), cylinder.section(3, 0.125)] {
                 let end = end.unwrap().state(omega).unwrap();
                 let left = end.normal_force + resistance * end.velocity;
-                // the pair is transferred from this end to the face, and back by one factor:
-                // rounding of q v, or of zero
+                // only one common factor relates the state here to the pair at the termination, so
+                // the error is rounding of q v
                 assert!(
                     left.norm() <= 1e-14 * resistance * end.velocity.norm(),
                     "q = {resistance}, {frequency_hz} Hz: {left}"

@@ -36,7 +36,7 @@ fn static_limits() {
         error(&free),
         "magnitude of the impedance of the face is 0, expected a finite value above 0"
     );
-    // a fluid flows
+    // the static impedance of a fluid is 0
     let fluid = Medium::new(1000.0, Maxwell::new(1e9, 1e6).unwrap()).unwrap();
     let fluid = Chain::from_impact_face()
         .mass(1.0)
@@ -51,8 +51,8 @@ fn static_limits() {
 
 #[test]
 fn laws_and_impedances_without_a_value_are_refused() {
-    // A law without a value is reported with its element, an impedance without a value as an
-    // impedance
+    // A law without a value is reported with its element; the impedance of a termination without a
+    // value is reported as such
     let silent = Termination::impedance(|_| Complex64::new(f64::NAN, 0.0));
     let chain = Chain::from_impact_face().end(silent).unwrap();
     assert!(matches!(

@@ -74,7 +74,7 @@ fn states_follow_from_the_impact_face() {
         check(4, 0.03, nylon(&part(&horn, 0.03)).transfer(state));
         state = nylon(&horn).transfer(state);
         check(4, 0.1, state);
-        // at the last section the termination holds (A6): N = -q v
+        // the last section obeys the condition of the termination (A6): N = -q v
         assert!(relative(state.normal_force, -300.0 * state.velocity) < 1e-11);
     }
 }

@@ -223,7 +223,7 @@ fn strains(report: &mut Claims) {
     report
         .by("closed form: -F/(AE) or -v/c, delayed, and the echo of a wall")
         .deviation(
-            "strains at three sections of an elastic rod under a force or a velocity, a long rod or a wall behind, relative to the peak",
+            "strains at three sections of an elastic rod driven by a force or a velocity and ended by a long rod or a wall, relative to the peak",
             Within(2e-6, "error of (Δt/d)² due to the jumps of the curvature of the pulse"),
             Ok(largest([
                 elastic_strains(true, 0.0),
@@ -284,7 +284,7 @@ fn sampled(report: &mut Claims) {
     report.by("the sinusoid itself");
     report.deviation(
         "sinusoids between their samples, to 0.38 of the rate, relative to the amplitude",
-        Within(2e-5, "error that the window is stated to have"),
+        Within(2e-5, "stated error of the window"),
         Ok(largest(errors.map(|[value, _]| value))),
     );
     report.deviation(

@@ -11,8 +11,8 @@ use testbed::hold;
 use testbed::papers::paper_d::{LawParameters, PaperD, UnitReading, load};
 
 /// A material of Table 4, with: the test of Table 2 that gives density and diameter; wave speed in
-/// m/s; velocity of the struck face in m/s and stress in MPa; the time in µs in which a rigid
-/// projectile would be braked; s₀/(E F(s₀)) in s, with half of its last digit.
+/// m/s; velocity of the struck face in m/s and stress in MPa; the decay time in µs of the velocity
+/// of a rigid projectile; s₀/(E F(s₀)) in s, with half of its last digit.
 struct Row(&'static str, usize, f64, [f64; 2], f64, (f64, f64));
 
 #[rustfmt::skip]
@@ -59,14 +59,14 @@ fn claims_hold() {
         worst(&|level, row| (1e-6 * level.stress - row.3[1]) / 0.05),
     );
     report.deviation(
-        "rods of paper D: mass of the projectile by the impedance of the rod, 38 to 225 µs, in units of half a digit",
+        "rods of paper D: mass of the projectile over the impedance of the rod, 38 to 225 µs, in units of half a digit",
         why,
         worst(&|level, row| (1e6 * level.decay_time - row.4) / 0.5),
     );
     report
         .by("paper D, Tables 2 and 4 read literally, an erratum: computed elsewhere")
         .deviation(
-            "rods of paper D: relaxation times at that stress by the printed laws, 12.7 to 1219 s, in units of half a digit",
+            "rods of paper D: relaxation times at the stress of the front by the printed laws, 12.7 to 1219 s, in units of half a digit",
             why,
             worst(&|level, row| {
                 let (time, half_digit) = row.5;
@@ -127,8 +127,8 @@ impl Level {
         )
         .unwrap();
         let wave_speed = rod.wave_speed();
-        // a third of the first round trip in the projectile after the front, one millimetre inside
-        // the rod
+        // evaluated 1 mm inside the rod, a third of the first round trip in the projectile after
+        // the arrival of the front
         let position = 1e-3;
         let arrived = position / wave_speed + 4e-6;
         let decay_time = projectile.mass() / rod.impedance();

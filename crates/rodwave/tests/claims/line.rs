@@ -99,7 +99,7 @@ fn travelling_pulse(report: &mut Claims) {
     report
         .by("integral of a Gaussian: √π · 10 µs · 1000 N")
         .claim(
-            "momentum that a blow leaves in a free rod",
+            "momentum of a free rod after a pulse of force",
             "N s",
             impulse,
             Within(
@@ -129,7 +129,7 @@ fn impedance_step() -> f64 {
             .all(|change| change.abs() < 2e-6)
     );
     let (reflected, transmitted) = ((z2 - z1) / (z2 + z1), 2.0 * z2 / (z1 + z2));
-    // the free face reverses the returning wave, which then meets the step again
+    // the free face reverses the returning wave, which then reaches the step of the impedance again
     let before = at_steps(&history, &history.gauges[0].stress, 0.0).map(|(t, stress)| {
         let turned = pulse(t - 1.5 / c1) - pulse(t - 2.5 / c1);
         -stress * AREA - pulse(t - 0.5 / c1) - reflected * turned
@@ -161,7 +161,7 @@ fn mass_at_an_end(cells: f64) -> f64 {
     }))
 }
 
-/// A striker of 0.25 m with 4 m/s against a rod.
+/// Impact of a `striker` at 4 m/s on a `rod`.
 fn struck(striker: Segment, rod: Segment, cells: f64, transits: f64) -> LineHistory {
     let transit = striker.transit_time();
     let bodies = [
@@ -183,7 +183,7 @@ fn impacts(report: &mut Claims) {
     let force = at_steps(&history, &history.contacts[0].force, 0.5);
     let ledger = history.ledger;
     report.by(SAINT_VENANT).deviation(
-        "rod against a rod twice as long: force zV/2 for 2L/c, then none, relative to zV/2; momentum kept; no energy lost in the contact",
+        "impact of a rod on a rod twice as long: force zV/2 for 2L/c, then none, relative to zV/2; momentum conserved; no energy lost in the contact",
         Within(5e-14, "rounding of sums over hundreds of steps"),
         Ok(largest(
             force
@@ -241,7 +241,7 @@ fn prony_stack() -> f64 {
     let peak = largest(exact.iter().copied());
     let of_line = &history.gauges[0].velocity;
     let samples = exact.iter().enumerate().filter_map(|(index, exact)| {
-        // on the chord between two steps of the march
+        // linear interpolation between two steps of the march
         let position = index as f64 * 1e-6 / history.grid.time_step;
         let pair = of_line.get(position as usize..)?.get(..2)?;
         let u = position.fract();

@@ -40,7 +40,7 @@ fn claims_hold() {
             losses.chain([size])
         });
     report.by("Kjartansson's definition").deviation(
-        "constant Q, tan δ from 1e-12 to 1e6: one loss factor over nine decades, by 1 or tan δ, and |E| at the reference frequency",
+        "constant Q, tan δ from 1e-12 to 1e6: one loss factor over nine decades, relative to the larger of 1 and tan δ, and |E| at the reference frequency",
         Within(4e-15, "rounding of the exponent, whose angle is amplified by tan δ"),
         Ok(largest(errors)),
     );

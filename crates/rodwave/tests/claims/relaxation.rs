@@ -46,7 +46,7 @@ fn claims_hold() {
     }
     report.by("numerical inverse Laplace transform (Talbot's contour)");
     report.deviation(
-        "sixteen laws: relaxation modulus against E(s)/s, 10 ns to 1 s, by |E(1/t)|",
+        "sixteen laws: relaxation modulus against E(s)/s, 10 ns to 1 s, relative to |E(1/t)|",
         Within(
             5e-11,
             "1e-12 of the inversion, and cancellation on its contour",

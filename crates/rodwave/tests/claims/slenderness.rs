@@ -45,7 +45,7 @@ fn claims_hold() {
     report
         .by("Rayleigh-Ritz by mpmath, 50 digits; no Bessel function")
         .deviation(
-            "first branch of a cylinder, ν from -0.8 to 0.49, ka = 1 to 8, from both sides",
+            "first branch of a cylinder, ν from -0.8 to 0.49, ka = 1 to 8, modulus to wave and wave to modulus",
             Within(
                 1e-13,
                 "rounding of the frequency equation at ka = 8 and near the second branch",
@@ -65,7 +65,7 @@ fn claims_hold() {
     report
         .by("roots of the printed frequency equation by mpmath, 30 digits")
         .deviation(
-            "first branch of a lossy cylinder, tan δ up to 1, from both sides",
+            "first branch of a lossy cylinder, tan δ up to 1, modulus to wave and wave to modulus",
             Within(1e-13, "some hundred rounding errors"),
             Ok(largest(errors)),
         );
@@ -177,7 +177,7 @@ fn limits(report: &mut Claims) {
     report
         .by("closed forms √(3 - √5) and √(2 - 2/√3)")
         .deviation(
-            "Rayleigh's wave by the shear wave, ν = 0 and 1/4",
+            "speed of Rayleigh's wave over that of the shear wave, ν = 0 and 1/4",
             Within(1e-15, "a few roundings"),
             Ok(largest([
                 rayleigh_to_shear_speed(0.0).unwrap() - (3.0 - 5f64.sqrt()).sqrt(),
@@ -197,12 +197,12 @@ fn limits(report: &mut Claims) {
     }
     report.by("the surface wave");
     report.deviation(
-        "short waves by the exact theory, ν from -0.4 to 0.5: speed extrapolated to infinite ka, by Rayleigh's",
+        "short waves by the exact theory, ν from -0.4 to 0.5: speed extrapolated to infinite ka, over that of Rayleigh's wave, minus 1",
         Within(5e-4, "terms of order 1/(ka)² at ka = 40"),
         Ok(largest(exact_errors)),
     );
     report.deviation(
-        "short waves by Mindlin and Herrmann, ν from -0.4 to 0.5: speed at ka = 100, by Rayleigh's",
+        "short waves by Mindlin and Herrmann, ν from -0.4 to 0.5: speed at ka = 100, over that of Rayleigh's wave, minus 1",
         Within(2e-3, "of order 1/(ka)²"),
         Ok(largest(approximate)),
     );
@@ -212,7 +212,7 @@ fn limits(report: &mut Claims) {
         [wave_number(theory, bar), bar_number(theory, bar)].map(|found| (found / bar - 1.0).norm())
     });
     report.by("elementary theory, ν = 0").deviation(
-        "without lateral contraction nothing is corrected",
+        "correction without lateral contraction, ν = 0",
         Within(3e-15, "a few roundings"),
         Ok(largest(errors)),
     );

@@ -64,7 +64,7 @@ fn square_wave(report: &mut Claims) {
         }
     });
     report.by("closed form (de Saint-Venant)").deviation(
-        "two equal free rods held together: no force before, square wave for 2 ms, relative to zV/2",
+        "two equal free rods that stick: no force before the contact, then a square wave for 2 ms, relative to zV/2",
         Within(1e-6, WRAP),
         Ok(largest(errors)),
     );
@@ -102,7 +102,7 @@ fn known_pairs(report: &mut Claims) {
     let step = of(&smooth, |s| (-s * arrival).exp() / s);
     let errors = timed(&step).filter_map(|(time, value)| {
         let x = (time - arrival) / sigma;
-        // at the instant of the jump, half of it
+        // the value at the instant of the jump is half of the jump
         let expected = if x.abs() < 1e-5 {
             0.5
         } else {

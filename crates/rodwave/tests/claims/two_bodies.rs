@@ -20,7 +20,7 @@ fn claims_hold() {
     let step = |t: f64| if t > 0.0 && t < trip { 1.0 } else { 0.0 };
     let jumps = [0.0, trip];
     report.by("closed form (de Saint-Venant)").deviation(
-        "free rod on a long one of its kind: force ZV/2 for one round trip, then none, relative to ZV/2",
+        "free rod on a long rod of the same kind: force ZV/2 for one round trip, then none, relative to ZV/2",
         Within(
             1e-9,
             "rounding; 6.4 standard deviations of the Gaussian from the jumps",
@@ -39,7 +39,7 @@ fn claims_hold() {
     let later = record.transmitted_force(0, 0.1).unwrap();
     let travelled = |t: f64| plateau * step(t - delay);
     report.deviation(
-        "free rod on a long one of its kind: velocities of both faces relative to V, force after 0.1 m relative to ZV/2",
+        "free rod on a long rod of the same kind: velocities of both faces relative to V, force after 0.1 m relative to ZV/2",
         Within(1e-6, "aliasing of e^(-16) in the velocity of a free body"),
         Ok(largest([
             deviation(&record, &record.first_velocity, &jumps, face) / VELOCITY,
@@ -53,7 +53,7 @@ fn claims_hold() {
     report
         .by("conservation of momentum: the striker stops")
         .deviation(
-            "free rod on a long one of its kind: impulse, relative",
+            "free rod on a long rod of the same kind: impulse over MV, minus 1",
             Within(5e-8, "aliasing of e^(-16) over the record"),
             Ok(record.impulse() / (mass * VELOCITY) - 1.0),
         );
@@ -62,7 +62,7 @@ fn claims_hold() {
     report
         .by("conservation of energy, less the part removed by the Gaussian")
         .deviation(
-            "free rod on a long one of its kind: work on the long rod, relative",
+            "free rod on a long rod of the same kind: work on the long rod over MV²/2, minus 1",
             Within(5e-7, "next order of the smoothing"),
             Ok(record.work_on_second() / (0.5 * mass * VELOCITY * VELOCITY) - 1.0 + shortfall),
         );
@@ -72,7 +72,7 @@ fn claims_hold() {
         other => panic!("{other:?}"),
     };
     report
-        .by("closed form: echo from the far end of the longer")
+        .by("closed form: echo from the far end of the longer rod")
         .claim(
             "free rods of 0.3 and 0.7 m: end of contact",
             "s",

@@ -14,8 +14,8 @@ fn wave_number(density: f64, frequency_hz: f64) -> f64 {
     medium.wave_number(std::f64::consts::TAU * frequency_hz)
 }
 
-/// Conditions (i) and (ii) of the code are those of the paper; the error of 5 % stated with (i) is
-/// that of an incompressible rod.
+/// Conditions (i) and (ii) have the limits printed in the paper; the error of 5 % stated with (i)
+/// is that of an incompressible rod.
 #[test]
 fn conditions_of_validity() {
     let constants = GoldenTable::read("paper_a_constants.ron");
@@ -41,8 +41,8 @@ fn conditions_of_validity() {
 }
 
 /// "D = 11 or 16 mm and L = 800 mm gave results ... in the approximate frequency range of 400 Hz to
-/// 20 kHz": condition (ii) ends at the printed frequency; condition (i) allows 20 kHz, which the
-/// blow limits.
+/// 20 kHz": condition (ii) is met from the printed lowest frequency on; condition (i) is met at 20
+/// kHz, a limit that is due to the hammer.
 #[test]
 fn the_frequency_range_of_the_longest_specimens() {
     let constants = GoldenTable::read("paper_a_constants.ron");
@@ -117,7 +117,7 @@ fn the_shortest_wave_of_paper_b() {
         "{}",
         wave.wavelength_in_diameters()
     );
-    // at the other end of the range, the wave is longer than the bar, but less than five times
+    // at the lowest frequency of the range, the wavelength is four to five lengths of the bar
     let k = std::f64::consts::TAU * value("frequency_lowest") / speed;
     let wave = Slenderness::of_wave_number(k, value("bar_diameter"), value("bar_length")).unwrap();
     assert!(wave.is_short_against_length() && wave.wavelength_in_lengths() > 4.0);

@@ -55,9 +55,9 @@ fn elastic_responses_of_the_tests_of_table_2() {
                     sign * PULSE.at(time - f64::from(2 * n + 1) * delay)
                 })
                 .sum();
-            // The integration is exact at its steps, with a cubic between them: h⁴ v''''/40, with
-            // steps of at most 4.3 us (rubber) 1e-5 of a pulse of 60 us that is doubled, eight such
-            // pulses deep
+            // The solution is exact at its steps; the error of the cubic between them is h⁴
+            // v''''/40, with steps of at most 4.3 us (rubber) 1e-5 of a doubled pulse of 60 us, and
+            // at most eight pulses overlap
             assert!(
                 (found - exact).abs() < 2e-3,
                 "Test {}, {time}: {found} {exact}",

@@ -60,8 +60,8 @@ pub(crate) fn bodies() -> Bodies {
     }
 }
 
-/// The printed numbers, read from the fixtures here and typed into another program there, give the
-/// same bodies (Ödeen 1993, paper E, eqs. A5 and A11).
+/// The printed numbers, read from the fixtures by this test and typed into the program that made
+/// the reference, give the same bodies (Ödeen 1993, paper E, eqs. A5 and A11).
 #[test]
 fn printed_bodies_have_the_mobilities_of_mpmath() {
     let [chains, medium] = errors_of_chains(&bodies());

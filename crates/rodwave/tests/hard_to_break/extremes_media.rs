@@ -37,10 +37,9 @@ fn damping_and_wave_number_keep_their_digits() {
                 (gamma.im / k - 1.0).abs() < 1e-15 * 8.0,
                 "tan δ = {loss_factor:e}"
             );
-            // and back: E'' = 2kα of k² + α² does not lose digits either
+            // the reverse: E'' is proportional to the product kα and loses no digits
             let back = modulus_from_propagation(gamma, omega, 1150.0).unwrap();
-            // E' = k² - α² is a difference if α and k are of equal size: its relative error grows
-            // with tan δ
+            // E' is proportional to the difference k² - α²: its relative error grows with tan δ
             let lost = loss_factor.max(1.0);
             assert!(
                 (back.re / modulus.re - 1.0).abs() < 1e-14 * lost,

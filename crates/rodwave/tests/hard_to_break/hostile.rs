@@ -1,7 +1,7 @@
 //! Calls a function with every argument, or every pair of arguments, at the limits of the
 //! floating-point range: it must return an error with a message, or numbers. The tests named
 //! `hard_to_break` of all crates share this file.
-#![allow(dead_code, reason = "each crate asks in the way that suits it")]
+#![allow(dead_code, reason = "each crate uses some of these functions")]
 
 use std::fmt::Display;
 use std::marker::PhantomData;
@@ -52,7 +52,7 @@ pub(crate) fn sweep<E: Display>(name: &str, function: impl Fn(f64) -> Result<Vec
                     "{name} of {value} gives {results:?}"
                 );
             }
-            // a description of the quantity, and the number
+            // a message with the quantity and the number has more than ten characters
             Err(error) => assert!(error.to_string().len() > 10, "{name} of {value}: {error}"),
         }
     }
@@ -138,10 +138,10 @@ impl<E: Display> Findings<E> {
         match catch_unwind(AssertUnwindSafe(|| function(arguments))) {
             Err(_) => self.add(name, arguments, "panicked"),
             Ok(Ok(values)) if values.iter().any(|value| !value.is_finite()) => {
-                self.add(name, arguments, &format!("answered {values:?}"));
+                self.add(name, arguments, &format!("returned {values:?}"));
             }
             Ok(Err(error)) if error.to_string().is_empty() => {
-                self.add(name, arguments, "was refused without a word");
+                self.add(name, arguments, "was refused with an empty message");
             }
             Ok(_) => {}
         }
@@ -151,7 +151,7 @@ impl<E: Display> Findings<E> {
         self.lines.push(format!("{name}{arguments:?}: {what}"));
     }
 
-    /// Fails if there are findings, and prints a readable number of them.
+    /// Fails if there are findings, and prints about sixty of them at most.
     pub(crate) fn none(self) {
         let stride = self.lines.len().div_ceil(60).max(1);
         let some: Vec<&str> = self

@@ -23,7 +23,7 @@ fn sampled_histories() {
     findings.sweep_pairs("SampledHistory", &[0.1, 0.5, 1e5, 2e-5], |a| {
         let history = SampledHistory::new(&[0.0, a[0], a[1], 0.3, 0.1], a[2])?;
         let (value, slope) = (history.at(a[3]), history.slope(a[3]));
-        // at a time that is NaN there is no velocity
+        // the velocity at a NaN time is NaN
         let numbers = are_modest(a).then_some([value, slope]);
         Ok(numbers.into_iter().flatten().collect())
     });
@@ -32,8 +32,7 @@ fn sampled_histories() {
             rate_hz: a[0],
             cutoff_hz: a[1],
         };
-        // no arguments are checked here: the function must not panic, and NaN must be visible in
-        // the result
+        // the function does not check its arguments; the only requirement is that it does not panic
         let _ = recorder.filtered(&[0.0, 1.0, 0.5, 0.0, 0.2], a[2], a[3]);
         Ok(Vec::new())
     });
@@ -152,7 +151,7 @@ fn marches() {
     findings.sweep_pairs("LumpedRod", &[0.4, 0.8, 0.2], |a| {
         let rod = InelasticRod::new(a[0], 1140.0, 3.2e9, Elastic)?;
         let lumped = LumpedRod::new(&rod, 8, a[1])?;
-        // at a position that is NaN there is no velocity
+        // the velocity at a NaN position is NaN
         let velocity = lumped.velocity_at(a[2]);
         let numbers = [lumped.time_step(), lumped.end_mass()];
         Ok(numbers

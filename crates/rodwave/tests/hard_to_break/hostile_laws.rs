@@ -41,8 +41,8 @@ fn waves(law: impl LaplaceModulus, density: f64, omega: f64) -> Numbers {
 }
 
 fn in_time(law: &impl TimeDomainModulus, time: f64) -> Numbers {
-    // one of the two may be impossible when the other is not, such as the creep of a fluid over a
-    // time that overflows
+    // one of the two values may be an error while the other is not, for example if the creep
+    // compliance of a fluid overflows
     let answers = [law.relaxation_modulus(time), law.creep_compliance(time)];
     Ok(answers.into_iter().flatten().collect())
 }

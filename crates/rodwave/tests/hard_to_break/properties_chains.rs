@@ -1,4 +1,4 @@
-//! Laws of linear passive bodies, which hold for chains of any elements.
+//! Properties of linear passive bodies, tested for chains of any elements.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -119,8 +119,7 @@ proptest! {
         }
     }
 
-    /// A force at one face moves the other face as the same force at the other face moves the
-    /// first.
+    /// The velocity of one face due to a force at the other is the same in both directions.
     #[test]
     fn transfer_mobilities_are_reciprocal(parts in any_parts(), omega in any_omega()) {
         // a massless last element makes the far face a section that can be evaluated
@@ -144,8 +143,8 @@ proptest! {
         prop_assert!((one - other).norm() < 1e-11 * lost * one.norm(), "{one} {other}");
     }
 
-    /// The power that enters flows along the body and never increases. The loss in each element is
-    /// not negative, and no power leaves a free end.
+    /// The flow of power never increases along the body: no element has a negative loss, and no
+    /// power leaves a free end.
     #[test]
     fn power_only_dwindles_on_its_way(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);
@@ -197,7 +196,7 @@ proptest! {
         };
         let here = mobility(1.0, 1.0, 1.0, 1.0);
         let there: Complex64 = mobility(metre, second, kilogram, pascal) * (kilogram / second);
-        // 1e-11: γ is computed by a root in polar form, and its rounding counts kL times
+        // 1e-11: γ is computed by a root in polar form, and its rounding error is multiplied by kL
         prop_assert!((here - there).norm() < 1e-11 * here.norm(), "{here} {there}");
     }
 }

@@ -1,4 +1,4 @@
-//! Laws of marches for any material: balances close, and steps scale, start later or add up.
+//! Properties of marches for any material: balances, scaling, delay and superposition.
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -35,7 +35,7 @@ proptest! {
     #![proptest_config(cases(48, 3))]
 
     /// A striker and a rod exchange momentum and lose none. Energy is lost in the material and, to
-    /// a small part, in the closing of the contact; none is created.
+    /// a small extent, when the contact closes; none is created.
     #[test]
     fn impacts_keep_momentum(
         length in 0.01..0.1_f64, diameter in 0.005..0.03_f64, density in 900.0..9000.0_f64, modulus in 9.0..11.5_f64,
@@ -47,7 +47,7 @@ proptest! {
             diameter: 0.016,
             section_distance: 0.1,
         };
-        // cells as short as the slower of the two bodies needs
+        // cells short enough for both bodies
         let speeds = (10f64.powf(modulus) / density).sqrt() / (3.2e9_f64 / 1140.0).sqrt();
         let cell = (0.2 * length / speeds).min(4e-3).min(length / 8.0);
         let history = test.run(cell, 3e-4).unwrap();
@@ -62,7 +62,7 @@ proptest! {
     }
 }
 
-/// A step so long, or an exponent so high, that powers overflow: for κ → ∞ the law is perfectly
+/// Steps so long, or exponents so high, that powers overflow. For κ → ∞ the law is perfectly
 /// plastic, and the stress falls to σ_ref (n E h r/σ_ref)^{-1/n}, whatever its initial value is.
 #[test]
 fn very_nonlinear_laws_do_not_overflow() {
@@ -129,7 +129,8 @@ fn stiff_impacts_are_refused() {
     );
 }
 
-/// Twice the push causes exactly twice the response of a linear rod, and two pushes add up.
+/// In a linear rod, twice the excitation causes exactly twice the response, and the response to two
+/// excitations is the sum of their responses.
 #[test]
 fn linear_rods_superpose() {
     // waves of 2000 m/s: a step is 1 µs and a sample 5 µs, so that a delay by samples is a delay by
@@ -137,8 +138,8 @@ fn linear_rods_superpose() {
     let rod = || InelasticRod::new(0.4, 1140.0, 1140.0 * 4e6, Maxwell::new(2e6).unwrap()).unwrap();
     let samples = |scale: f64, late: usize| -> Vec<f64> {
         (0..120_usize)
-            // quiet at first, so that both records contain the ringing of the interpolation before
-            // the onset
+            // at rest at first, so that both records contain the ringing of the interpolation
+            // before the onset
             .map(|k| scale * push(k.saturating_sub(late + 24) as f64 * 5e-6))
             .collect()
     };
@@ -201,8 +202,8 @@ fn marches_scale() {
     }
 }
 
-/// Ten million samples of a synthesis, and a line that marches a million steps: memory and time
-/// remain in proportion.
+/// Synthesis of ten million samples, and a march of a million steps: results are accurate, and
+/// memory and time suffice.
 #[test]
 fn long_records() {
     let synthesis = DampedSynthesis::new(10.0, 2e-6).unwrap();

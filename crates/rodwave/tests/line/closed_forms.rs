@@ -2,12 +2,12 @@
 
 use super::*;
 
-/// A force applied at the left end reaches the contact one transit later and is the only force
-/// there: the faces separate when it falls to zero.
+/// A force applied at the left end reaches the contact one transit time later; the faces separate
+/// when it falls to zero.
 #[test]
 fn f6_a_contact_opens_within_a_step() {
     let (transit, last) = (0.2 / (206e9_f64 / 7780.0).sqrt(), 93.7e-6);
-    // (1 - t/T)(1 + t/T)^2 t/T: zero at T, and curved there
+    // the force (1 - t/T)(1 + t/T)^2 t/T is zero at T and has a curvature there
     let force = move |t: f64| {
         let part = t / last;
         if (0.0..2.0).contains(&part) {
@@ -37,8 +37,8 @@ fn f6_a_contact_opens_within_a_step() {
         );
         (opens - (transit + last)).abs() / history.grid.time_step
     };
-    // error in steps: h F''/(8 F') T = 5/8 h/T at most, which decreases with the step; from the
-    // force alone, the error would be a whole step
+    // error in steps: h F''/(8 F') T = 5/8 h/T at most, which decreases with the step; with the
+    // time of the last positive force, the error would be up to a whole step
     for cells in [20.0, 40.0, 80.0, 160.0] {
         let (found, limit) = (error(cells), 0.63 * transit / cells / last);
         assert!(found < 1.05 * limit, "{cells}: {found} {limit}");
@@ -107,6 +107,6 @@ fn a_gap_closes_with_the_relative_velocity() {
         history.ledger.lost_in_contact / history.ledger.initial_energy
     };
     let (coarse, fine) = (lost(1e-6), lost(0.25e-6));
-    // at most one of the 48 cells of the striker
+    // the energy of at most one of the 48 cells of the striker
     assert!(coarse < 0.05 && fine < 0.0125, "{coarse} {fine}");
 }

@@ -5,8 +5,8 @@ use super::*;
 /// Time step of the line of [`Joined`] \[s\].
 const STEP: f64 = 0.1e-6;
 
-/// An elastic striker, a rod with two branches in parallel and a rod with one branch, each crossed
-/// in a whole number of steps; and the changes for a difference quotient.
+/// Parameters of an elastic striker, a rod with two branches in parallel and a rod with one branch.
+/// A front crosses each in a whole number of steps, `cells`.
 #[derive(Clone, Copy)]
 struct Joined {
     cells: [i32; 3],
@@ -67,9 +67,9 @@ impl Joined {
             .unwrap()
     }
 
-    /// Returns the line with one parameter changed by `notches`, and the change. A modulus is
-    /// changed so that the segment is crossed in that many steps less, another parameter by 5e-4
-    /// per notch.
+    /// Returns the line with one parameter changed by `notches`, and the change. A notch of a
+    /// modulus shortens the transit through the segment by one step; a notch of another parameter
+    /// is 5e-4.
     fn changed(&self, parameter: &Parameter, notches: i32) -> (Line, f64) {
         let mut to = *self;
         let small = 5e-4 * f64::from(notches);
@@ -108,7 +108,7 @@ impl Joined {
 /// the weight of the value at 0 is the last.
 fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
     let weight = |i: usize| -> f64 {
-        // of x Π (x - xⱼ), j ≠ i, over its value at xᵢ
+        // derivative at 0 of x Π (x - xⱼ), j ≠ i, over the value of this polynomial at xᵢ
         let others = points.iter().enumerate().filter(|(j, _)| *j != i);
         others.fold(1.0 / points[i], |w, (_, x)| w * -x / (points[i] - x))
     };
@@ -121,9 +121,9 @@ fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
 ///
 /// If a modulus changes by one notch, a wave that has crossed the striker a dozen times is shifted
 /// by a dozen time steps, 0.03 of its duration. The difference quotient of fourth order is accurate
-/// to 1e-6; the tolerance of 1e-4 allows for the second-order error of the tangent in a cell. Other
-/// parameters have only the rounding, divided by the change, and the shift of the first contact by
-/// less than a step.
+/// to 1e-6; the tolerance of 1e-4 allows for the second-order error of the tangent in a cell. For
+/// other parameters, only rounding, divided by the change, and the shift of the first contact by
+/// less than a step remain.
 #[test]
 fn derivatives_agree_with_differences() {
     let line = JOINED.line();
@@ -145,7 +145,8 @@ fn derivatives_agree_with_differences() {
         // the same sums in a different order
         assert!((a - b).abs() < 1e-12, "{a} {b}");
     }
-    // later, the bodies part: a derivative of the force jumps, which no difference reproduces
+    // the bodies separate only later, when a derivative of the force jumps and differences do not
+    // apply
     assert!(
         plain.contacts[0].force[1000..]
             .iter()

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A steel striker, a gap, and a polymer that flows, bonded to a polymer with two branches.
+/// Line of a steel striker, a gap, and a polymer with an inelastic law, bonded to a polymer with
+/// two branches.
 fn varied() -> Line {
     let flow = MaxwellNorton::from_reference_rate(2.0, 2e4, 10e6).unwrap();
     let flowing = Segment::new(0.1, AREA, 1140.0).unwrap();
@@ -57,14 +58,13 @@ fn a_cell_is_what_a_gauge_at_its_centre_sees() {
     assert!((last - duration).abs() < stride as f64 * step, "{last}");
 }
 
-/// Conservation from the cells alone: two free bodies conserve their momentum, and elastic bodies
-/// also their energy.
+/// Momentum and energy summed over the cells: two free elastic bodies conserve both.
 #[test]
 fn what_is_in_the_cells_is_conserved() {
     let bars = [steel(0.1, AREA), aluminium(0.2, 2.0 * AREA)];
     let [striker, bar] = bars.map(|segment| Body::new([segment]).unwrap());
     let line = Line::new([striker.moving_at(5.0).unwrap(), bar]).unwrap();
-    // the last times are those of free flight
+    // at the last times, the bodies are separated
     let diagram = line.diagram(1e-6, 0.2e-3, 1).unwrap();
     let of_body = [(7780.0, 206e9, AREA, 0.1), (2700.0, 69e9, 2.0 * AREA, 0.2)];
     let sum = |index: usize, term: &dyn Fn(usize, f64, f64, f64) -> f64| -> f64 {
@@ -92,8 +92,7 @@ fn what_is_in_the_cells_is_conserved() {
             .map(|index| (sum(index, part) / before - 1.0).abs())
             .fold(0.0, f64::max)
     };
-    // a wave that has left a cell and has not arrived in the next is at a contact for half a step;
-    // at whole steps there is none
+    // at whole steps, every wave is in a cell; it passes a contact half a step later
     assert!(whole(&momentum) < 1e-12, "{}", whole(&momentum));
     assert!(whole(&energy) < 1e-12, "{}", whole(&energy));
 }
