@@ -1,9 +1,9 @@
 //! Properties of any input: one function for each reader of files, for units, sheets and
 //! tables.
 //!
-//! They do not depend on a fuzzer. The programs in `fuzz_targets` pass them the inputs of
+//! The functions do not depend on a fuzzer. The programs in `fuzz_targets` pass them the inputs of
 //! libFuzzer; a test of `rodlab` includes these folders by their paths and gives them the inputs
-//! that are kept in `corpus` and `regressions`. A body panics where something does not hold.
+//! that are kept in `corpus` and `regressions`. A function panics if its property is violated.
 
 mod records;
 #[cfg(feature = "sheets")]

@@ -1,4 +1,4 @@
-//! Files that are read block by block: the same samples as of the whole file.
+//! Files that are read block by block must have the samples of the whole file.
 
 use std::io::Cursor;
 
@@ -8,10 +8,10 @@ use ndarray::Array2;
 
 use super::{memory, prints};
 
-/// A block that divides neither the buffer nor most files.
+/// Number of samples in a block: a divisor neither of the buffer nor of most files.
 const BLOCK: usize = 7;
 
-/// All samples of `source`, channel by channel.
+/// Returns all samples of `source`, channel by channel.
 fn all(mut source: impl BlockSource) -> Result<Vec<Vec<f64>>, LabioError> {
     let rate = source.sampling_rate_hz();
     assert!(rate.is_finite() && rate > 0.0, "sampling rate {rate}");
@@ -42,7 +42,7 @@ fn channels(n: usize) -> Vec<Channel> {
         .expect("names and quantities of channels")
 }
 
-/// Blocks compared with the values of the whole file, if both could be read.
+/// Compares the blocks with the values of the whole file, if both could be read.
 fn same(blocks: Result<Vec<Vec<f64>>, LabioError>, whole: &[&[f64]]) {
     match blocks {
         Ok(blocks) => {
@@ -56,7 +56,7 @@ fn same(blocks: Result<Vec<Vec<f64>>, LabioError>, whole: &[&[f64]]) {
     }
 }
 
-/// Values of a file whose series are all real.
+/// Returns the values of all real series of a file.
 fn reals(contents: &labio::Contents) -> Vec<&[f64]> {
     let series = contents.series.iter();
     series
@@ -67,7 +67,7 @@ fn reals(contents: &labio::Contents) -> Vec<&[f64]> {
         .collect()
 }
 
-/// WAVE.
+/// Checks WAVE files.
 pub fn wav(bytes: &[u8]) {
     let whole = format::wav::Wav.read(bytes, Strictness::Strict);
     let n = whole.as_ref().map_or(1, |contents| contents.series.len());
@@ -79,7 +79,7 @@ pub fn wav(bytes: &[u8]) {
     }
 }
 
-/// Arrays with and without a row of times.
+/// Checks arrays of NumPy with and without a row of times.
 pub fn npy(bytes: &[u8]) {
     let whole = format::npy::Npy.read(bytes, Strictness::Strict);
     let n = whole.as_ref().map_or(1, |contents| contents.series.len());

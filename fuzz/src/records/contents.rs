@@ -4,12 +4,12 @@ use labio::{Abscissa, Contents, Provenance};
 
 use super::prints;
 
-/// Series have one abscissa for each value, a strict reading has no defect, and records are what
-/// the processing relies on.
+/// Checks that series have one abscissa for each value, that the strict reader returned no defect,
+/// and that records have the properties on which the processing relies.
 pub fn check(contents: &Contents, bytes: &[u8], is_strict: bool) {
     assert!(
         !is_strict || contents.defects.is_empty(),
-        "a strict reading returns with defects: {:?}",
+        "the strict reader returned defects: {:?}",
         contents.defects
     );
     for defect in &contents.defects {
@@ -46,7 +46,7 @@ fn records(contents: &Contents, bytes: &[u8]) {
         .iter()
         .map(|record| record.channels().len())
         .sum();
-    assert_eq!(placed, channels, "every channel is a series");
+    assert_eq!(placed, channels, "each channel has a series");
     for record in &found.records {
         let rate = record.sampling_rate_hz();
         assert!(rate.is_finite() && rate > 0.0, "sampling rate {rate}");
@@ -59,7 +59,7 @@ fn records(contents: &Contents, bytes: &[u8]) {
             assert_eq!(
                 record.channels().iter().position(same),
                 Some(index),
-                "a name twice"
+                "two channels of the same name"
             );
         }
     }

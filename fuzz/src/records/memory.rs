@@ -1,19 +1,20 @@
-//! Memory is allocated for existing bytes only, whatever a header states.
+//! Readers must allocate memory for existing bytes only, whatever a header states.
 
 use allocation_counter::measure;
 use labio::format::MemoryLimit;
 
-/// Memory of a reader in addition to the contents: buffers.
+/// Allowed memory of a reader in addition to the contents, for buffers \[bytes\].
 const BUFFERS: u64 = 4 << 20;
 
-/// Simultaneous copies of unpacked data: bytes, numbers, series, and the reserve of a growing list.
+/// Allowed number of simultaneous copies of unpacked data: bytes, numbers, series, and the spare
+/// capacity of a growing list.
 const COPIES: u64 = 4;
 
-/// Memory per byte of an uncompressed file, for example a cell of a table, with its place, number
-/// and copies.
+/// Allowed memory per byte of an uncompressed file. A cell of a table, for example, takes memory
+/// for its place, its number and copies.
 const OF_A_BYTE: u64 = 256;
 
-/// Reads, and looks at how much memory was taken at most.
+/// Calls `read` and checks the largest amount of memory that it allocated.
 pub fn bounded<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
     let mut result = None;
     let taken = measure(|| result = Some(read())).bytes_max;
@@ -27,7 +28,7 @@ pub fn bounded<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
     let most = BUFFERS + most;
     assert!(
         taken <= most,
-        "{taken} bytes taken for a file of {}",
+        "{taken} bytes of memory for a file of {} bytes",
         bytes.len()
     );
     result.expect("it was read")

@@ -1,12 +1,12 @@
-//! Readers of `labio::format`, each with the bytes as they are.
+//! Readers of `labio::format`, each called with the unchanged bytes.
 
 use labio::format::{self, Reader, Strictness};
 use labio::{Contents, LabioError};
 
 use super::{blocks, contents, memory, prints, round_trip};
 
-/// Reads in both modes: a file accepted by the strict reader is read by the tolerant one without
-/// defects, and its contents, written in any format, are read again.
+/// Reads in both modes. Checks that a file accepted by the strict reader is read by the tolerant
+/// one without defects, and that its contents, written in any format, can be read again.
 pub fn both_manners(
     bytes: &[u8],
     read: impl Fn(Strictness) -> Result<Contents, LabioError>,
@@ -22,12 +22,12 @@ pub fn both_manners(
     if let Ok(strict) = &strict {
         let tolerant = tolerant
             .as_ref()
-            .expect("what is read strictly is read tolerantly");
+            .expect("the tolerant reader accepts what the strict reader accepts");
         assert!(tolerant.defects.is_empty(), "{:?}", tolerant.defects);
         assert_eq!(strict.properties, tolerant.properties);
         assert_eq!(strict.series.len(), tolerant.series.len());
         for (one, other) in strict.series.iter().zip(&tolerant.series) {
-            round_trip::same(one, other, 0.0, "strictly and tolerantly");
+            round_trip::same(one, other, 0.0, "strict and tolerant reading");
             assert_eq!(
                 (&one.name, &one.properties),
                 (&other.name, &other.properties)
@@ -56,28 +56,28 @@ macro_rules! readers {
 }
 
 readers! {
-    /// Text tables.
+    /// Checks the reader of text tables.
     csv: format::csv::Csv;
-    /// LabVIEW measurement files.
+    /// Checks the reader of LabVIEW measurement files.
     lvm: format::lvm::Lvm;
-    /// WAVE, whole and in blocks.
+    /// Checks the readers of WAVE files, whole and in blocks.
     wav: format::wav::Wav, blocks::wav;
-    /// An array of NumPy, whole and in blocks.
+    /// Checks the readers of arrays of NumPy, whole and in blocks.
     npy: format::npy::Npy, blocks::npy;
-    /// An archive of NumPy.
+    /// Checks the reader of archives of NumPy.
     npz: format::npz::Npz;
-    /// Traces of Tektronix with a preamble in text.
+    /// Checks the reader of Tektronix traces with a preamble in text.
     isf: format::oscilloscope::TektronixIsf;
-    /// Traces of LeCroy.
+    /// Checks the reader of LeCroy traces.
     lecroy: format::oscilloscope::LeCroy;
-    /// Traces of Tektronix in binary.
+    /// Checks the reader of binary Tektronix traces.
     wfm: format::oscilloscope::TektronixWfm;
-    /// HDF5: MATLAB 7.3, netCDF-4, h5py.
+    /// Checks the reader of HDF5 files: MATLAB 7.3, netCDF-4, h5py.
     hdf5: format::hdf5::Hdf5;
-    /// MATLAB 5.
+    /// Checks the reader of MATLAB 5 files.
     mat5: format::mat5::Mat5;
-    /// TDMS.
+    /// Checks the reader of TDMS files.
     tdms: format::tdms::Tdms;
-    /// Universal files.
+    /// Checks the reader of universal files.
     uff58: format::uff58::Uff58;
 }

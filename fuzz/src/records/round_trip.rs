@@ -1,4 +1,4 @@
-//! Contents are written in every format that can hold them, and read again.
+//! Round trips: contents are written in every format that can represent them, and read again.
 
 use labio::format::csv::Csv;
 use labio::format::npy::Npy;
@@ -10,7 +10,8 @@ use labio::{Abscissa, Contents, Ordinate, Series};
 
 use super::prints;
 
-/// Writers with what reads them again, and the part of a value that they may change.
+/// Writers, each with the reader of its format and the relative change of a value that it may
+/// cause.
 fn formats() -> [(&'static dyn Writer, &'static dyn Reader, f64); 7] {
     const BINARY: Uff58Writer = Uff58Writer {
         encoding: Encoding::Binary(ByteOrder::BigEndian),
@@ -31,13 +32,13 @@ fn formats() -> [(&'static dyn Writer, &'static dyn Reader, f64); 7] {
         // thirteen digits
         (&TEXT, &Uff58, 1e-11),
         (&FLOATS, &Wav, 0.0),
-        // in the encoding that it was read from
+        // in the encoding of the file that was read
         (&Wav, &Wav, 0.0),
     ]
 }
 
-/// A writer refuses contents, or what it writes is read strictly and has the same values over the
-/// same abscissa.
+/// Checks that each writer either refuses the contents or writes a file that the strict reader
+/// accepts, with the same values over the same abscissa.
 pub fn check(contents: &Contents) {
     for (writer, reader, tolerance) in formats() {
         let mut bytes = Vec::new();
@@ -47,7 +48,10 @@ pub fn check(contents: &Contents) {
         }
         let again = match reader.read(&bytes, Strictness::Strict) {
             Ok(again) => again,
-            Err(error) => panic!("{} does not read what it wrote: {error}", reader.name()),
+            Err(error) => panic!(
+                "the reader of {} rejects a written file: {error}",
+                reader.name()
+            ),
         };
         assert_eq!(
             again.series.len(),
@@ -61,7 +65,7 @@ pub fn check(contents: &Contents) {
     }
 }
 
-/// Two series have the same values over the same abscissa.
+/// Checks that two series have the same values over the same abscissa.
 pub fn same(before: &Series, after: &Series, tolerance: f64, place: &str) {
     let of = format!("of `{}` in {place}", before.name);
     values(before, after, tolerance, &of);
@@ -98,8 +102,8 @@ fn place(abscissa: &Abscissa, index: usize) -> f64 {
     }
 }
 
-/// Places are compared by the whole range: an even abscissa may become a list of its places, and a
-/// list of even places an even abscissa.
+/// Compares abscissas relative to their whole range: an even abscissa may become a list of values,
+/// and a list of evenly spaced values an even abscissa.
 fn abscissa(before: &Series, after: &Series, of: &str) {
     let last = before.ordinate.len().saturating_sub(1);
     if before.ordinate.is_empty() {
@@ -116,12 +120,12 @@ fn abscissa(before: &Series, after: &Series, of: &str) {
             .max(first.abs())
             .max(end.abs())
             .max(a.abs());
-        // a list of rounded times becomes even where its digits fix the step to 1e-4
+        // a list of rounded times becomes an even abscissa if its digits determine the step to 1e-4
         assert!(
             (a - b).abs() <= 1e-4 * scale
                 || a.to_bits() == b.to_bits()
                 || (a.is_nan() && b.is_nan()),
-            "place {index} {of}: {a:e} became {b:e}"
+            "abscissa {index} {of}: {a:e} became {b:e}"
         );
     }
 }

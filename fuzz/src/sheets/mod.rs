@@ -1,4 +1,4 @@
-//! Inputs of the command beside records: sheets, units, tables, files of unknown kind.
+//! Inputs of the command other than records: sheets, units, tables, files of unknown format.
 
 mod recognition;
 mod sheet;

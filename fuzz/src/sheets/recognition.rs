@@ -1,4 +1,4 @@
-//! Bytes of any kind: the format is recognised by the content.
+//! Files of any format: the format is recognised from the content.
 
 use labio::format;
 use rodlab::inspect::inspect_bytes;
@@ -6,7 +6,7 @@ use rodlab::inspect::inspect_bytes;
 use super::super::records::prints;
 use super::super::records::reader::both_manners;
 
-/// Recognises, reads and inspects.
+/// Recognises the format, reads the file and inspects it.
 pub fn recognition(bytes: &[u8]) {
     let known = format::recognise(bytes).map(format::Reader::name);
     let found = both_manners(bytes, |strictness| {

@@ -1,4 +1,4 @@
-//! Test sheets of all kinds: valid parts are checked, mistakes are shown with their place.
+//! Test sheets of all jobs: a valid sheet is checked further, an error states its place.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -9,11 +9,11 @@ use rodlab::sheet::SheetError;
 
 use super::super::records::prints;
 
-/// Parses a sheet; where it names no place outside its folder, which is empty, everything that can
-/// be is checked.
+/// Parses a sheet and, if it names no path outside its folder, which is empty, checks it as far as
+/// possible without its files.
 pub fn sheet(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else {
-        return; // the command says so before it parses
+        return; // the command rejects such a file before it parses it
     };
     let job = match job::parse(Path::new("sheet.ron"), text) {
         Ok(job) => job,
@@ -40,7 +40,7 @@ pub fn sheet(bytes: &[u8]) {
     }
 }
 
-/// Each mistake has a place in the text, and the excerpt can be drawn.
+/// Checks that an error has a place in the text and that its excerpt can be rendered.
 fn mistake(error: &SheetError, text: &str) {
     prints(error);
     assert!(
@@ -60,5 +60,5 @@ fn mistake(error: &SheetError, text: &str) {
     let mut drawn = String::new();
     GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
         .render_report(&mut drawn, error)
-        .expect("the excerpt is drawn");
+        .expect("the excerpt can be rendered");
 }

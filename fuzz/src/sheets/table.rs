@@ -1,4 +1,4 @@
-//! Tables that a sheet names: ratios of spectra, readings of a loss factor, frequency responses.
+//! Tables that a sheet names: ratios of spectra, measured loss factors, frequency responses.
 
 use std::fs;
 use std::path::Path;
@@ -34,17 +34,18 @@ const RESPONSES: [&str; 3] = [
         front_impedance: "3.2e3 kg/s")"#,
 ];
 
-/// Ratios of spectra to moduli, and readings to a model.
+/// Checks tables of spectral ratios, loss factors and moduli.
 pub fn ratio_table(bytes: &[u8]) {
     jobs(bytes, &RATIOS);
 }
 
-/// Responses to mobilities.
+/// Checks tables of frequency responses.
 pub fn response_table(bytes: &[u8]) {
     jobs(bytes, &RESPONSES);
 }
 
-/// A folder in memory where there is one, for a job reads its tables by their names.
+/// Returns a folder in memory if there is one, otherwise that of temporary files: a job reads its
+/// tables from files.
 pub fn memory() -> &'static Path {
     let shared = Path::new("/dev/shm");
     if shared.is_dir() {
@@ -77,7 +78,7 @@ fn jobs(table: &[u8], sheets: &[&str]) {
     }
 }
 
-/// Accepted values are finite.
+/// Checks that valid values are finite and that the columns of a table have equal lengths.
 fn found(outcome: &Outcome) {
     for quantity in &outcome.quantities {
         let numbers = [quantity.value, quantity.standard_error];

@@ -5,7 +5,7 @@ use rodlab::sheet::{AddedMass, Coordinate, Density, Kind, Length, Ratio, Stated,
 
 use super::super::records::prints;
 
-/// A text as a unit and as quantities.
+/// Parses a text as a unit and as quantities.
 pub fn unit(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     match Unit::parse(&text) {
@@ -20,7 +20,7 @@ pub fn unit(bytes: &[u8]) {
     quantity::<Ratio>(&text);
 }
 
-/// A unit converts there and back, and its symbol is a unit again.
+/// Checks that a unit converts to SI and back, and that its symbol parses to the same unit.
 fn known(unit: &Unit) {
     let scale = unit.scale();
     assert!(
@@ -35,8 +35,8 @@ fn known(unit: &Unit) {
     for value in [-1.0, 0.0, 3.25e-3, 4096.0] {
         let si = unit.to_si(value);
         let back = unit.of_si(si);
-        // zeros of other scales cancel digits, and products of scales leave the range of normal
-        // numbers
+        // scales with another zero cancel digits, and products of scales may leave the range of
+        // normal numbers
         let digits = 8.0 * f64::EPSILON * (value.abs() + unit.of_si(0.0).abs());
         if si.is_normal() {
             assert!(
@@ -69,7 +69,8 @@ fn known(unit: &Unit) {
     }
 }
 
-/// A quantity is finite, above 0 where it has to be, and as it is written it is itself.
+/// Checks that a quantity is finite, above 0 if its kind requires this, and that its text parses to
+/// the same quantity.
 fn quantity<K: Kind + std::fmt::Debug>(text: &str) {
     match text.parse::<Stated<K>>() {
         Ok(stated) => {
@@ -84,7 +85,7 @@ fn quantity<K: Kind + std::fmt::Debug>(text: &str) {
                 uncertainty.is_none_or(|u| u.is_finite() && u >= 0.0),
                 "`{text}`"
             );
-            let again: Stated<K> = stated.to_string().parse().expect("as it is written");
+            let again: Stated<K> = stated.to_string().parse().expect("the text of a quantity");
             assert_eq!(again.with_uncertainty(), read);
         }
         Err(error) => prints(&error),
