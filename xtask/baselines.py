@@ -1,10 +1,10 @@
-"""What other programs take for the jobs of `cargo xtask bench`: the recorded baselines of docs/performance.ron.
+"""Times of other programs for the tasks of `cargo xtask bench`: the recorded baselines of docs/performance.ron.
 
     pip install numpy==2.4.6 scipy==1.17.1 pandas==3.1.1 pyuff==2.5.8 lmfit==1.3.4
     OMP_NUM_THREADS=1 python xtask/baselines.py
 
-Prints the best of several runs in milliseconds of processor time, on one thread, which a busy machine disturbs least. Files are
-read from a folder in memory (/dev/shm) where there is one. The data are those of the benchmarks of crates/labio and crates/cmod.
+Prints the best of several runs in milliseconds of processor time on one thread, which a busy machine affects least. Files are
+read from a folder in memory (/dev/shm) if there is one. The data are those of the benchmarks of crates/labio and crates/cmod.
 """
 
 import os
@@ -22,7 +22,7 @@ from scipy.io import wavfile
 
 
 def best(job, runs=15):
-    """Best processor time of `runs` runs [ms], after one that is not counted."""
+    """Best processor time of `runs` runs [ms], after a run that is not counted."""
     job()
     times = []
     for _ in range(runs):

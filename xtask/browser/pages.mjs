@@ -1,8 +1,8 @@
-// Reports and `rodlab view` in a browser: at four widths, light, dark and printed, without console messages, with the keyboard alone.
+// Checks reports and `rodlab view` in a browser: at four widths, light, dark and printed; no console messages; use by keyboard alone.
 //
 //     node pages.mjs PROGRAM [--accept]
 //
-// PROGRAM is `rodlab`, run on copies of its examples. What a report shows, without its numbers, is compared with outline.txt;
+// PROGRAM is `rodlab`, run on copies of its examples. The content of each report without its numbers is compared with outline.txt;
 // `--accept` writes that file.
 import chromium from '@sparticuz/chromium';
 import puppeteer from 'puppeteer-core';
@@ -37,17 +37,17 @@ fs.cpSync(path.join(here, '../../crates/rodlab/examples'), folder, { recursive: 
 
 const browser = await puppeteer
   .launch({
-    // those that only a function without a graphical system needs, none that relaxes a rule of the page
+    // the arguments for systems without graphics, except those that relax the security rules of the page
     args: chromium.args.filter((one) => !/web-security|site-isolation|insecure-content|disable-features/.test(one)).concat('--no-sandbox'),
     executablePath: await chromium.executablePath(),
     headless: 'shell',
   })
   .catch((error) => {
-    console.log(`the browser does not start, the pages are not looked at: ${error.message.split('\n')[0]}`);
+    console.log(`the browser does not start, the pages are not checked: ${error.message.split('\n')[0]}`);
     process.exit(0);
   });
 
-// What is wrong with the page as it is shown: wider than the window, rows of more than three lines, tables cut off, contrast below AA.
+// Returns the faults of the displayed page: wider than the window, rows of more than three lines, tables cut off, contrast below AA.
 function shown() {
   const wrong = [];
   if (document.documentElement.scrollWidth > innerWidth) wrong.push(`the page is ${document.documentElement.scrollWidth} px wide`);
@@ -86,7 +86,7 @@ function shown() {
   return [...new Set(wrong)].slice(0, 8);
 }
 
-// Headings, figures with their panels and curves, tables with their columns, in the order of the page.
+// Returns headings, figures with their panels and curves, and tables with their columns, in the order of the page.
 function structure() {
   const lines = [];
   for (const element of document.querySelectorAll('main h2, main h3, main .plot, main table')) {
@@ -109,7 +109,7 @@ function structure() {
   return lines;
 }
 
-// The first figure with the keyboard: arrow keys read values, plus zooms, escape resets.
+// Checks the first figure by keyboard: an arrow key shows a value, plus zooms, escape resets.
 async function by_keys(page) {
   const wrong = [];
   const panel = (await page.$$('svg[aria-label]'))[0];
@@ -117,7 +117,7 @@ async function by_keys(page) {
   await panel.evaluate((svg) => svg.focus());
   const [, drawn] = await read();
   await page.keyboard.press('ArrowRight');
-  if (!(await read())[0]) wrong.push('the arrow keys read no value');
+  if (!(await read())[0]) wrong.push('an arrow key shows no value');
   await page.keyboard.press('+');
   const [, zoomed] = await read();
   if (zoomed === drawn) wrong.push('plus does not zoom');
@@ -170,14 +170,14 @@ const found = outlines.join('\n');
 if (process.argv.includes('--accept')) fs.writeFileSync(outline, found);
 else if (fs.readFileSync(outline, 'utf8') !== found) {
   const kept = new Set(fs.readFileSync(outline, 'utf8').split('\n'));
-  const other = outlines.find((line) => !kept.has(line)) ?? 'a line is missing or moved';
-  faults.push(`reports are not those of outline.txt: ${other}; look at them, and call with --accept`);
+  const other = outlines.find((line) => !kept.has(line)) ?? 'a line is missing or in another place';
+  faults.push(`reports differ from outline.txt: ${other}; check them, then call with --accept`);
 }
 for (const fault of faults) console.error(fault);
 console.log(`${sheets.length} reports at ${looks.length} looks, view at 4 widths: ${faults.length} faults`);
 process.exit(faults.length > 0 ? 1 : 0);
 
-// The page of `rodlab view`: at each width, then with the keyboard alone from a value to the saved sheet.
+// Checks the page of `rodlab view` at each width, then by keyboard alone: a changed value, undo, a rejected hit and the saved sheet.
 async function view(sheet) {
   const server = spawn(program, ['view', sheet]);
   const address = await new Promise((resolve) => server.stdout.on('data', (data) => {
@@ -201,11 +201,11 @@ async function view(sheet) {
       await page.keyboard.press('Tab');
       for (let times = 0; times < 10; times += 1) await page.keyboard.press('ArrowRight');
       await until((old) => document.getElementById('headline').textContent !== old, before);
-      expect((await value()) !== stated, 'the arrow keys move no slider');
+      expect((await value()) !== stated, 'the arrow keys do not move the slider');
       await page.focus('#undo');
       await page.keyboard.press('Enter');
       await until((old) => document.getElementById('headline').textContent === old, before);
-      expect((await value()) === stated, `undone, the length is ${await value()} instead of ${stated}`);
+      expect((await value()) === stated, `after undo, the length is ${await value()}, expected ${stated}`);
       await page.focus('#tab-values');
       await page.keyboard.press('ArrowRight');
       await page.keyboard.press('Tab');
@@ -217,7 +217,7 @@ async function view(sheet) {
       await page.keyboard.press('s');
       await page.keyboard.up('Control');
       for (let times = 0; times < 50 && !/reject/.test(fs.readFileSync(sheet, 'utf8')); times += 1) await new Promise((resolve) => setTimeout(resolve, 100));
-      expect(/reject/.test(fs.readFileSync(sheet, 'utf8')), 'the rejected hit is not in the sheet that was saved');
+      expect(/reject/.test(fs.readFileSync(sheet, 'utf8')), 'the rejected hit is not in the saved sheet');
     }
     faults.push(...said.map((fault) => `view, ${width} px, ${scheme}: ${fault}`));
     await page.close();

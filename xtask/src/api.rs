@@ -19,7 +19,7 @@ use testbed::generated::{ensure_file_contents, workspace_root};
 /// Environment variable that names the rustdoc to be called when this program is called as rustdoc.
 const RUSTDOC: &str = "XTASK_RUSTDOC";
 
-/// Errors in a public interface, or in reading it.
+/// Reasons why the public interface of a crate is not listed.
 #[derive(Debug, thiserror::Error)]
 enum ApiError {
     #[error(
@@ -29,7 +29,7 @@ enum ApiError {
         krate: &'static str,
         source: public_api::Error,
     },
-    #[error("types in signatures that users of one crate alone cannot name:\n{0}")]
+    #[error("types in signatures that a program that uses only this crate cannot name:\n{0}")]
     NotNameable(String),
 }
 

@@ -96,7 +96,7 @@ impl Pace {
     }
 }
 
-/// Does the `task`.
+/// Performs the `task`.
 pub(crate) fn run(task: Task) -> Outcome {
     let root = workspace_root();
     if cfg!(debug_assertions) && matches!(task, Task::Measure | Task::Try) {
@@ -163,7 +163,7 @@ pub(crate) fn run(task: Task) -> Outcome {
                 println!("{kernel}");
             }
             println!(
-                "{} kernels counted, {} as in {MEASURED} to the instruction",
+                "{} kernels counted, {} with exactly the counts of {MEASURED}",
                 KERNELS.len(),
                 KERNELS.len() - moved.len()
             );
@@ -219,7 +219,7 @@ fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Result<(), Be
         Some(what) => Err(BenchError::Row {
             path: path.to_path_buf(),
             what: what.clone(),
-            reason: "missed, and nothing says what bounds it and what was tried".to_owned(),
+            reason: "missed, without the reason and what was tried".to_owned(),
         }),
     }
 }
@@ -283,7 +283,7 @@ fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchE
     let instructions = if pace == Pace::Quick {
         before.instructions
     } else if instructions::counter().is_none() {
-        eprintln!("instructions: valgrind is not installed; the counts of {MEASURED} stay");
+        eprintln!("instructions: valgrind is not installed; the counts of {MEASURED} are kept");
         before.instructions
     } else {
         eprintln!("instructions");

@@ -34,7 +34,7 @@ enum BookError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
     #[error(
-        "mdbook is not on this machine: `cargo install mdbook --locked --no-default-features` brings it"
+        "mdbook is not installed: install it by `cargo install mdbook --locked --no-default-features`"
     )]
     NoMdbook,
     #[error("mdbook ended with {status}:\n{output}")]
@@ -95,7 +95,7 @@ fn build(root: &Path) -> Result<PathBuf, BookError> {
         .arg(&pages)
         .arg("--dest-dir")
         .arg(&book)
-        // this program itself; cargo would have to build the one that book.toml names first
+        // this program itself: for the command in book.toml, cargo would first have to build it
         .env(
             "MDBOOK_PREPROCESSOR__EQUATIONS__COMMAND",
             format!("'{}' book-equations", this.display()),

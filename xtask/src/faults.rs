@@ -58,7 +58,7 @@ enum FaultsError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
     #[error(
-        "faults.ron lists {listed:?} with the tests that see them, and {FOLDER} holds the patches {found:?}"
+        "faults.ron lists {listed:?} with their tests, but {FOLDER} contains the patches {found:?}"
     )]
     Listed {
         listed: Vec<String>,
@@ -72,7 +72,7 @@ enum FaultsError {
         package: String,
         said: String,
     },
-    #[error("tests that do not see their fault: {}", .0.join(", "))]
+    #[error("tests that do not detect their fault: {}", .0.join(", "))]
     NotSeen(Vec<String>),
     #[error("faults.ron names `{test}`, and {package} has no such test")]
     NoTest { package: String, test: String },
@@ -123,7 +123,7 @@ pub(crate) fn run(names: &[String], check: bool) -> Outcome {
         return Err(Box::new(FaultsError::NotSeen(unseen)));
     }
     if check {
-        println!("{} faults that once stood can be put back", faults.len());
+        println!("the patches of {} former faults apply", faults.len());
     }
     Ok(())
 }

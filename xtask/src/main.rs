@@ -9,7 +9,7 @@
 )]
 #![allow(
     clippy::indexing_slicing,
-    reason = "the project's own tool: where an index fails the gate fails, loudly and at the right place"
+    reason = "a tool of this project only: an index out of bounds makes the gate fail and states its place"
 )]
 
 mod api;

@@ -18,7 +18,7 @@ use testbed::generated::{ensure_file_contents, workspace_root};
 pub(crate) use program::Program;
 use pulled_in::PulledIn;
 
-/// Library crate, with the crates of ours on which it may depend.
+/// Library crate, with the other crates of this workspace on which it may depend.
 #[derive(Debug)]
 pub(crate) struct Library {
     pub(crate) name: &'static str,
@@ -82,7 +82,7 @@ struct Alone<'a> {
 /// Errors of a crate that is used as a dependency.
 #[derive(Debug, thiserror::Error)]
 enum OutsideError {
-    #[error("{0} crates pull in what they must not:\n{1}")]
+    #[error("{0} dependencies are not allowed:\n{1}")]
     PulledIn(usize, String),
 }
 
@@ -140,7 +140,7 @@ impl PulledIn {
             let ours = LIBRARIES.iter().any(|library| library.name == package);
             if ours && !library.ours.contains(&package) {
                 faults.push(format!(
-                    "{name}{alone} pulls in {package}, expected of ours {:?}",
+                    "{name}{alone} pulls in {package}, expected only {:?} of our crates",
                     library.ours
                 ));
             }
@@ -185,7 +185,7 @@ mod tests {
             linked(&["cmod", "clap", "serde"]).faults(labio, None),
             [
                 "labio pulls in clap, which belongs to the command, to tests or to tasks",
-                "labio pulls in cmod, expected of ours []",
+                "labio pulls in cmod, expected only [] of our crates",
                 "labio pulls in serde, expected only with the feature `serde`",
             ]
         );

@@ -167,7 +167,7 @@ fn of_manifest(package: &Package) -> Vec<String> {
         .is_none_or(|registries| !registries.is_empty())
     {
         faults.push(
-            "publish is not false: two of the names belong to others in the registry".to_owned(),
+            "publish is not false, although two of the names belong to other crates in the registry".to_owned(),
         );
     }
     faults
@@ -181,7 +181,7 @@ fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
             .is_ok_and(|text| fs::read(root.join(licence)).is_ok_and(|ours| ours == text));
         if !same {
             faults.push(format!(
-                "{licence} is not the one of the repository (a link to it, which a checkout without links loses)"
+                "{licence} differs from that of the repository (it is a symbolic link, which some checkouts lose)"
             ));
         }
     }
@@ -215,7 +215,7 @@ fn outside(file: &str, text: &str) -> Vec<String> {
             });
         if included || line.contains("/fixtures/") {
             faults.push(format!(
-                "{file}, line {}: reads outside of the package: {}",
+                "{file}, line {}: reads a file outside the package: {}",
                 number + 1,
                 line.trim()
             ));

@@ -30,7 +30,7 @@ const NOT_COMPARED: [&str; 4] = ["stopped_at", "iterations", "at_rounding", "dev
 /// The result differs from the snapshot.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{} differences from the snapshot {path}; the first: {first}. If the change is meant, run \
+    "{} differences from the snapshot {path}; the first: {first}. If the change is intended, run \
      `{command}` and record it under Numerics in CHANGELOG.md", differences.len()
 )]
 pub(crate) struct Drift {

@@ -213,7 +213,7 @@ fn print_summary(sections: &[Section], page: &Page) {
         }
         for observation in &section.report.observations {
             println!(
-                "{}, measured besides: {}: {} {}",
+                "{}, also measured: {}: {} {}",
                 section.name,
                 observation.what,
                 page::number(observation.ours),

@@ -136,7 +136,7 @@ impl Listing {
                     .find(|line| crates_in(line).any(|found| found == *name))
                     .map_or("", String::as_str);
                 format!(
-                    "{}: {name} is not re-exported, but stands in `{example}`",
+                    "{}: {name} is not re-exported, but occurs in `{example}`",
                     self.krate
                 )
             })
@@ -149,12 +149,12 @@ impl fmt::Display for Listing {
         let foreign: Vec<_> = self.foreign.iter().map(String::as_str).collect();
         writeln!(
             f,
-            "# Everything public of {}, with all features. Written by `cargo xtask api`; a difference is a change of the interface.",
+            "# Public items of {}, with all features. Written by `cargo xtask api`; a difference is a change of the interface.",
             self.krate
         )?;
         writeln!(
             f,
-            "# Plain traits of a type are one line; Send, Sync and their like are listed where a type lacks them."
+            "# Plain traits of a type take one line; automatic traits such as Send and Sync are listed only if a type lacks them."
         )?;
         writeln!(f, "# Other crates in signatures: {}.", foreign.join(", "))?;
         self.lines.iter().try_for_each(|line| writeln!(f, "{line}"))
@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(
             found.not_nameable(),
             [format!(
-                "cmod: faer is not re-exported, but stands in `{}`",
+                "cmod: faer is not re-exported, but occurs in `{}`",
                 lines[1]
             )]
         );

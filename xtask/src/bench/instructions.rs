@@ -63,12 +63,12 @@ pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
     let compiler = machine::compiler();
     if machine_of(&here) != machine_of(&reference.counted_by) {
         Some(format!(
-            "the reference was counted by {}, expected {here}, as here",
+            "the reference was counted by {}, expected {here} of this machine",
             reference.counted_by
         ))
     } else if compiler != reference.compiler {
         Some(format!(
-            "the reference was compiled by {}, expected {compiler}, as here",
+            "the reference was compiled by {}, expected {compiler} of this machine",
             reference.compiler
         ))
     } else {

@@ -43,8 +43,8 @@ pub(super) struct Machine {
     pub(super) processors: usize,
     pub(super) system: String,
     pub(super) compiler: String,
-    /// Number of processes of others that waited for a processor in the minute before the run;
-    /// `None` if the system does not report it.
+    /// Mean number of processes that were running or waiting for a processor in the minute before
+    /// the run; `None` if the system does not report it.
     pub(super) load_before: Option<f64>,
     /// True for a quick run.
     #[serde(default)]

@@ -249,18 +249,18 @@ impl Row {
             return Err(fault(format!("{of:?} is not measured in {unit}")));
         }
         if self.because.trim().is_empty() {
-            return Err(fault("nothing says why that target".into()));
+            return Err(fault("the target has no reason".into()));
         }
         if matches!(self.target, Target::OfBound(_)) && bound.is_none() {
             return Err(fault(
-                "the target is a multiple of a bound that is not there".into(),
+                "the target is a multiple of a bound, but the row has no bound".into(),
             ));
         }
         positive("the target", self.target.limit())?;
         match &self.baseline {
             Baseline::Recorded { value, by } => {
                 if by.trim().is_empty() {
-                    return Err(fault("nothing says whose the baseline is".into()));
+                    return Err(fault("the baseline has no source".into()));
                 }
                 positive("the baseline", *value)
             }
@@ -276,10 +276,13 @@ impl Growth {
     fn check(&self, path: &Path) -> Result<(), BenchError> {
         let kinds = [&self.from.0, &self.to.0].map(std::mem::discriminant);
         let reason = if kinds[0] != kinds[1] {
-            format!("{:?} and {:?} are not of one kind", self.from.0, self.to.0)
+            format!(
+                "{:?} and {:?} are not of the same kind",
+                self.from.0, self.to.0
+            )
         } else if !(self.from.1 > 0.0 && self.to.1 > self.from.1) {
             format!(
-                "sizes {} and {}, expected two that rise",
+                "sizes {} and {}, expected increasing sizes",
                 self.from.1, self.to.1
             )
         } else if !(self.at_most.is_finite()) {

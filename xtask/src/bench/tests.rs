@@ -113,18 +113,18 @@ fn rows_that_cannot_be_are_refused() {
             "bound: Some((of: Time(\"march/elastic\"), is: \"no law\"))",
             "bound: None"
         ),
-        "performance.ron, row `beside the machine`: the target is a multiple of a bound that is not there"
+        "performance.ron, row `beside the machine`: the target is a multiple of a bound, but the row has no bound"
     );
     assert_eq!(
         message(
             "(Time(\"march/Maxwell\"), 4)",
             "(Time(\"march/Maxwell\"), 1)"
         ),
-        "performance.ron, row `march`: sizes 1 and 1, expected two that rise"
+        "performance.ron, row `march`: sizes 1 and 1, expected increasing sizes"
     );
     assert_eq!(
         message("because: \"at once\"", "because: \"\""),
-        "performance.ron, row `help`: nothing says why that target"
+        "performance.ron, row `help`: the target has no reason"
     );
     assert!(
         message("because: \"at once\"", "becuase: \"at once\"")

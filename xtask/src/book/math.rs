@@ -16,7 +16,7 @@ pub(super) enum MathError {
     Tex { tex: String, reason: String },
     #[error("\\tag without a closing brace in `{tex}`")]
     OpenTag { tex: String },
-    #[error("`{tex}` has \\tag in an inline formula, which has no margin to stand in")]
+    #[error("`{tex}` has \\tag in an inline formula, where a number has no place")]
     InlineTag { tex: String },
 }
 

@@ -27,7 +27,7 @@ pub(crate) enum ProgramError {
     Cargo(#[from] CargoError),
     #[error("the workspace has no crate {0}")]
     NoCrate(String),
-    #[error("{} has {found} blocks of `{language}`, expected one: it is made the program that depends on the crate", path.display())]
+    #[error("{} has {found} blocks of `{language}`, expected one, from which the program is made", path.display())]
     Blocks {
         path: PathBuf,
         language: &'static str,
@@ -36,7 +36,7 @@ pub(crate) enum ProgramError {
     #[error("{} declares\n{found}\nexpected [dependencies] and the crate alone, at {CLONE}", path.display())]
     Manifest { path: PathBuf, found: String },
     #[error(
-        "alone, {krate} takes {package}, which our Cargo.lock does not have: run `cargo update --workspace` and review the difference"
+        "a program that uses only {krate} needs {package}, which our Cargo.lock does not contain: run `cargo update --workspace` and review the difference"
     )]
     Moved { krate: String, package: String },
 }

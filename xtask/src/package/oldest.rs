@@ -36,7 +36,7 @@ pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<Stri
                 && asked > stated
             {
                 faults.push(format!(
-                    "{}: {} {} asks for Rust {}.{}, but rust-version is {}.{}",
+                    "{}: {} {} requires Rust {}.{}, but rust-version is {}.{}",
                     ours.name, package.name, package.version, asked.0, asked.1, stated.0, stated.1
                 ));
             }
@@ -102,7 +102,7 @@ mod tests {
         let (words, faults) = of(&ours, &graph);
         assert_eq!(
             faults,
-            ["ours: newer 2.0.0 asks for Rust 1.90, but rust-version is 1.89"]
+            ["ours: newer 2.0.0 requires Rust 1.90, but rust-version is 1.89"]
         );
         assert!(words.ends_with("1 of 2 state none"), "{words}");
     }

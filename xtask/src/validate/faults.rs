@@ -40,7 +40,7 @@ pub(super) enum FaultsError {
         lost: usize,
         broke: usize,
     },
-    #[error("{COUNTS}: \"{fault}\" tells what became of {told} points, expected {tried}")]
+    #[error("{COUNTS}: \"{fault}\" states the outcome of {told} points, expected {tried}")]
     Sum {
         fault: String,
         told: usize,
@@ -174,7 +174,7 @@ mod tests {
             ),
             (
                 "tried: 2, refused: 1, right: 0, said: 0, shorter: 0, stopped: 0, lost: 0, broke: 0",
-                "tells what became of 1 points, expected 2",
+                "states the outcome of 1 points, expected 2",
             ),
         ] {
             let said = table(&campaign(counts)).unwrap_err().to_string();
