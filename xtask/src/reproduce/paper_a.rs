@@ -43,19 +43,19 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
         "Figures 3 and 4: Tests 1 to 10",
         "Figures 3a and 4: two methods on one rod",
         "Figures 5 and 6: Test 6 from 20 to 140 °C",
-        "Eq. 5 from γ_0 L against continuation in μ, at low loss",
-        "Eqs. 6 and 7 against the numerical solution",
+        "Roots by eq. 5 from γ_0 L and by continuation in μ, at low loss",
+        "Eqs. 6 and 7 compared with the numerical solution",
         "Swing angles",
     ];
     let notes = [
         "",
-        "Conditions (i) to (iii) are those of the paper; of a valid line five standard errors are within 1 % of E' and 5 % of the loss factor. The figures show lines that \
-         fulfil the conditions and whose loss factor has a standard error below 5 %. Other roots \
-         by eq. 5 are counted on lines that fulfil the conditions; unnoticed are those where the other root fulfils them as well.\n\n",
-        "The other method takes a pulse that passes two sections of the rod before anything comes back.\n\n",
+        "Conditions (i) to (iii) are those of the paper; at a valid line, in addition, five standard errors are below 1 % of E' and 5 % of the loss factor. The \
+         figures show lines that fulfil the conditions and whose loss factor has a standard error below 5 %. Other roots \
+         by eq. 5 are counted on lines that fulfil the conditions; they are unnoticed if the other root fulfils them too.\n\n",
+        "The other method uses a pulse that passes two sections of the rod before a reflection returns.\n\n",
         "Means over the lines within 50 Hz of 1 kHz that fulfil conditions (i) to (iii).\n\n",
         "A rod with a fifth of the damping of paper E, eq. 7, μ = 0.036, 1572 lines from 362 Hz to 20 kHz.\n\n",
-        "On exact ratios; accepted: E' and E'' of two terms within one third of those of four.\n\n",
+        "Computed from exact ratios. The criterion accepts a line if E' and E'' of two terms are within one third of those of four terms.\n\n",
         "",
     ];
     let body = headings
@@ -145,14 +145,14 @@ fn introduction(paper: &PaperA) -> String {
     format!(
         "S. Ödeen and B. Lundberg, Determination of complex modulus from measured end-point accelerations of an impacted rod specimen \
          (Ödeen 1993, paper A).\n\n\
-         **All tests are virtual**: specimens, accelerometers, number of tests and swing angles are the paper's. Ours are the materials, with \
-         loss factors that do not depend on frequency and moduli that are causal for them (polypropylene {}, polyamide 6 {}, the level of \
-         paper E, eq. 7), the blow (a raised cosine of {} N and {:.0} µs), the analyser ({:.1} kHz, {} bits, filter) and its noise ({} of the \
-         greatest acceleration on a sample). The law of temperature is stated, not measured: E' falls by a factor e in {:.0} K from 20 °C \
-         on, the loss factor grows by {} a K. As in the paper, changes of dimensions and density with temperature are neglected.\n\n\
-         Errata applied: the layout of Table 1 is lost in print and is restored from eq. 3; eq. 5 from γ_0 L runs to wrong roots, the root is \
-         followed from μ = 0 instead; the largest diameter is 18.8 mm (Table 2), not 21 mm. Ψ by H_1 over ten tests, as in section 3; the \
-         limit of {} Hz is the paper's.\n",
+         **All tests are virtual**: specimens, accelerometers, number of tests and swing angles are those of the paper. Assumed here are the materials, \
+         with loss factors that do not depend on frequency and the corresponding causal moduli (polypropylene {}, polyamide 6 {}, the level of \
+         paper E, eq. 7), the force of a hit (a raised cosine of {} N and {:.0} µs), the analyser ({:.1} kHz, {} bits, filter) and its noise ({} of \
+         the greatest acceleration on a sample). The dependence on temperature is assumed, not measured: from 20 °C on, E' falls by a factor e in \
+         {:.0} K, and the loss factor grows by {} per K. As in the paper, changes of dimensions and density with temperature are neglected.\n\n\
+         Errata applied: the layout of Table 1 is lost in print and is restored from eq. 3; eq. 5 started from γ_0 L converges to wrong roots, \
+         so the root is followed from μ = 0; the largest diameter is 18.8 mm (Table 2), not 21 mm. Ψ is estimated by H_1 from ten tests, as in \
+         section 3; the limit of {} Hz is that of the paper.\n",
         law(testbed::papers::paper_a::POLYPROPYLENE),
         law(testbed::papers::paper_a::POLYAMIDE),
         rig::BLOW.0,
@@ -180,7 +180,7 @@ fn conclusion(
     let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     let agreeing = branches.iter().filter(|row| row.agrees).count();
     let mut sentences = vec![format!(
-        "Table 1: in {agreeing} of {} quarter turns s, n and the signs of φ are those of the restored table, and eqs. 3 and 4 give γL back to \
+        "Table 1: in {agreeing} of {} quarter turns s, n and the signs of φ are those of the restored table, and eqs. 3 and 4 reproduce γL to \
          {:.0e}.",
         branches.len(),
         greatest(&mut branches.iter().map(|row| row.at_rounding)),
@@ -198,13 +198,13 @@ fn conclusion(
         })
         .collect();
     sentences.push(format!(
-        "Conditions (i) to (iii) hold from {}; the paper says 400 Hz to 20 kHz. The errors grow to low frequency.",
+        "Conditions (i) to (iii) are met from {}; the paper states 400 Hz to 20 kHz. The errors increase towards low frequencies.",
         slender.join(", ")
     ));
     let polypropylene = || tests.iter().filter(|test| test.row.test != "10");
     sentences.push(format!(
-        "Figure 3: on the valid lines of Tests 1 to 9 E' is right to {} % and E''/E' to {} %; {:.0} % to {:.0} % of them lie within two \
-         standard errors of the material, {:.0} % to {:.0} % within one.",
+        "Figure 3: on the valid lines of Tests 1 to 9, the error of E' is at most {} % and that of E''/E' {} %; {:.0} % to {:.0} % of the values are \
+         within two standard errors of the material, {:.0} % to {:.0} % within one.",
         significant(100.0 * greatest(&mut polypropylene().map(|test| test.row.worst[0])), 2),
         significant(100.0 * greatest(&mut polypropylene().map(|test| test.row.worst[1])), 2),
         100.0 * polypropylene().map(|test| test.row.within[1]).fold(1.0, f64::min),
@@ -223,7 +223,7 @@ fn conclusion(
         })
         .collect();
     sentences.push(format!(
-        "Eq. 5 from γ_0 L has another root than continuation in {}; the paper met inadmissible solutions in Tests 1 and 10.",
+        "Eq. 5 started from γ_0 L gives another root than continuation in {}; the paper reports inadmissible solutions in Tests 1 and 10.",
         if other_roots.is_empty() {
             "no test".to_owned()
         } else {
@@ -232,8 +232,8 @@ fn conclusion(
     ));
     for row in wrong {
         sentences.push(format!(
-            "Low loss, {} % noise: eq. 5 from γ_0 L gives a wrong root on {} lines, {} of them unnoticed by conditions (i) to (iii); \
-             continuation on {}.",
+            "Low loss, {} % noise: eq. 5 started from γ_0 L gives a wrong root on {} lines, {} of them unnoticed by conditions (i) to (iii); \
+             continuation gives a wrong root on {}.",
             100.0 * row.noise,
             row.wrong[0],
             row.unnoticed[0],
@@ -246,8 +246,8 @@ fn conclusion(
         .collect();
     let names: Vec<&str> = small.iter().map(|row| row.test.as_str()).collect();
     sentences.push(format!(
-        "Series: for polypropylene with μ < {} (Tests {}) four terms are within {} % of E' and {} % of E'' on all lines, and the criterion of \
-         one third accepts {} of {}. Wherever it accepts a line, in all ten tests, four terms are within {} % of E' and {} % of E''.",
+        "Series: for polypropylene with μ < {} (Tests {}), four terms are within {} % of E' and {} % of E'' on all lines, and the criterion of \
+         one third accepts {} of {}. On the lines that it accepts in all ten tests, four terms are within {} % of E' and {} % of E''.",
         paper.mass_ratio_highest,
         names.join(", "),
         significant(100.0 * greatest(&mut small.iter().map(|row| row.of_all[0])), 2),
@@ -265,7 +265,7 @@ fn conclusion(
         ));
     }
     sentences.push(
-        "That the two methods disagree on E'' of polyamide 6, as the paper found, does not follow from their equations.".into(),
+        "The paper found that the two methods disagree on E'' of polyamide 6; their equations do not explain this.".into(),
     );
     let at = |one: &temperature::Heated| {
         let row = &one.row;
@@ -279,9 +279,9 @@ fn conclusion(
         })
     };
     sentences.push(format!(
-        "Figures 5 and 6: about 1 kHz E', E'' and the loss factor are at most {:.1} standard errors from the stated law at any of {} \
-         temperatures; the loss factor is known to {} % at 20 °C and to {} % at 140 °C. The number of valid lines goes from {} to {} as the \
-         losses grow.",
+        "Figures 5 and 6: around 1 kHz, E', E'' and the loss factor differ by at most {:.1} standard errors from the assumed law at any of {} \
+         temperatures; the standard error of the loss factor is {} % at 20 °C and {} % at 140 °C. The number of valid lines changes from {} to {} as \
+         the losses grow.",
         greatest(&mut heated.iter().map(at)),
         heated.len(),
         significant(known(heated.first()), 2),
@@ -290,8 +290,8 @@ fn conclusion(
         heated.last().map_or(0, |one| one.row.valid),
     ));
     sentences.push(format!(
-        "Swing angles: Ψ of a linear specimen does not change with the blow (to {:.0e} without noise), and E' of 5°, 10° and 20° differs from that of \
-         other ten blows at 10° by {:.2} to {:.2} standard errors (root mean square). The larger modulus that the paper found at 20° is not that of a linear \
+        "Swing angles: Ψ of a linear specimen does not depend on the strength of the hits (to {:.0e} without noise), and E' at 5°, 10° and 20° differs from \
+         that of ten further hits at 10° by {:.2} to {:.2} standard errors (root mean square). The larger modulus that the paper found at 20° is not that of a linear \
          specimen, as the paper concludes.",
         greatest(&mut swings.iter().map(|row| row.at_rounding)),
         swings.iter().map(|row| row.over_error).fold(f64::INFINITY, f64::min),

@@ -16,7 +16,7 @@ use super::{Error, Reproduction, Table};
 use estimates::Series;
 use testbed::papers::paper_b::{PaperB, load};
 
-/// Number of computed lines per line in the table of moduli.
+/// Number of computed frequency lines per row of the table of moduli.
 const EVERY: usize = 4;
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
@@ -32,9 +32,9 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
         introduction: format!(
             "S. Ödeen and B. Lundberg, In-situ determination of complex modulus from strain measurements on an impacted structure \
              (Ödeen 1993, paper B).\n\n\
-             **All tests are virtual**: the bar, its ends and the number of tests are the paper's; the material (loss factor 0.07, 2.6 GPa \
+             **All tests are virtual**: the bar, its ends and the number of tests are those of the paper; the material (loss factor 0.07, 2.6 GPa \
              at 1.6 kHz), the gauge distance a = {} mm, the mass of the lump (100 g) and the errors of the instruments ({} % of the \
-             largest strain, {} % of the acceleration) are ours, because the paper gives none. The layout of Table 1 is lost in print and \
+             largest strain, {} % of the acceleration) are assumed, because the paper does not state them. The layout of Table 1 is lost in print and \
              is restored from eq. 6.\n",
             1e3 * rig::GAUGE_DISTANCE,
             100.0 * rig::STRAIN_NOISE,
@@ -43,9 +43,9 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
         body: format!(
             "## Table 1: the branch of eq. 8 along the measured frequencies\n\n{}\n\
              ## Figure 4: E' and E'' with standard errors, GPa\n\n{}\n\
-             ## The distance of the gauges\n\n\
-             Standard error of E' in structure I, median over the lines, and the first frequency at which half a wave falls \
-             between neighbouring gauges.\n\n{}",
+             ## Distance of the gauges\n\n\
+             Standard error of E' in structure I, median over the lines, and the first frequency at which the distance of neighbouring \
+             gauges is half a wavelength.\n\n{}",
             table_1.markdown(),
             moduli.markdown(),
             distances.markdown(),
@@ -118,7 +118,7 @@ fn conclusion(paper: &PaperB, series: &[Series], spacings: &[spacing::Distance])
         .iter()
         .map(|one| {
             format!(
-                "{}: {} of {} lines valid; {:.0} % of their E' and E'' lie within one standard error of the material, {:.0} % within two.",
+                "{}: {} of {} lines valid; {:.0} % of their E' and E'' are within one standard error of the material, {:.0} % within two.",
                 one.way,
                 one.valid,
                 one.lines.len(),
@@ -138,8 +138,8 @@ fn conclusion(paper: &PaperB, series: &[Series], spacings: &[spacing::Distance])
     }
     if let (Some(near), Some(far)) = (spacings.first(), spacings.last()) {
         sentences.push(format!(
-            "A distance of {:.0} mm instead of {:.0} mm divides the error of the modulus by {:.0}, as the paper says of the lower bound; \
-             its singular frequency comes down from {:.0} to {:.0} Hz.",
+            "A distance of {:.0} mm instead of {:.0} mm divides the error of the modulus by {:.0}, as the paper states for the lower bound; \
+             the singular frequency decreases from {:.0} to {:.0} Hz.",
             1e3 * far.distance,
             1e3 * near.distance,
             near.deviation / far.deviation,
@@ -148,7 +148,7 @@ fn conclusion(paper: &PaperB, series: &[Series], spacings: &[spacing::Distance])
         ));
     }
     sentences.push(format!(
-        "At 3 kHz the wave is {:.0} diameters long here, the paper says about {:.0}.",
+        "At 3 kHz, the wavelength is {:.0} diameters here; the paper states about {:.0}.",
         rig::polypropylene(paper).map_or(f64::NAN, |medium| {
             std::f64::consts::TAU
                 / medium.wave_number(std::f64::consts::TAU * paper.highest_hz)

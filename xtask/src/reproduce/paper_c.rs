@@ -36,9 +36,9 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             .into(),
         body: format!(
             "## Table 1, and the recovery that eqs. 4 and 5 predict\n\n{}\n\
-             Changes of the loss factor at 10 kHz in per cent of the virgin one. t_r as printed is the erratum, for comparison.\n\n\
-             ## The parameters from tests\n\n\
-             Readings at {} recovery times a test, made by integrating the differential equation of the dashpot (not eq. 4), with \
+             Changes of the loss factor at 10 kHz in per cent of the virgin one. t_r as printed contains the erratum and is shown for comparison.\n\n\
+             ## Parameters identified from tests\n\n\
+             Virtual measurements at {} recovery times per test, computed by integrating the differential equation of the dashpot (not by eq. 4), with \
              independent errors of {} of the loss factor (seed {}).\n\n{}",
             recovery.markdown(),
             readings::TIMES.len(),

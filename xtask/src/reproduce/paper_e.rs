@@ -58,14 +58,14 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
         body: format!(
             "## Mobilities of the faces, with eq. 7\n\n{}\n\
              ## Low frequency: |iωMG - 1|\n\n{}\n\
-             ## The first force of one-dimensional theory\n\n\
-             Z_1 of nylon is |Z| at 10 kHz by eq. 7; the march has the causal law. Reference: greatest force of an independent computation, \
-             rounded by a Gaussian of 10 µs.\n\n{}\n\
+             ## Initial force by one-dimensional theory\n\n\
+             Z_1 of nylon is |Z| at 10 kHz by eq. 7; the march uses the causal law. Reference: greatest force of an independent computation, \
+             smoothed by a Gaussian of 10 µs.\n\n{}\n\
              ## Two hammers, merged\n\n\
-             Standard errors are those of (I); \"truth inside\" is the part of 2.3 ms that the history of the body itself, on the same \
-             lines, is within the {} % band.\n\n{}\n\
+             Standard errors are those of (I); \"exact force inside\" is the fraction of 2.3 ms during which the exact force of the body, on \
+             the same lines, is within the {} % band.\n\n{}\n\
              ## Figures 5 and 6: the impacts\n\n\
-             Partings of less than 20 µs are not counted. Momentum residual: M_1 V less the impulse and the momentum with which the body is seen to fly back, over M_1 V.\n\n{}",
+             Separations of less than 20 µs are not counted. Momentum residual: M_1 V minus the impulse and the final momentum from the observed rebound, over M_1 V.\n\n{}",
             mobilities.markdown(),
             limits.markdown(),
             first.markdown(),
@@ -105,18 +105,19 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
 fn introduction(paper: &PaperE) -> String {
     format!(
         "S. Ödeen and B. Lundberg, Prediction of impact force by impulse response method (Ödeen 1993, paper E).\n\n\
-         **All measurements are virtual**: bodies, hammers, swing angles, sampling and impact velocities are the paper's. Ours are the \
-         masses of the impedance head, the stiffness of its contact with the hammers, the noise of a sample ({} N, {} m/s², {} µm/m) \
-         and the material of the bodies that are measured: eq. 7 is no causal law, so they are of a nylon with constant loss factor that has \
-         the modulus of eq. 7 at 3 kHz. They are bodies of one-dimensional theory: what the paper says of three-dimensional effects \
-         cannot show.\n\n\
+         **All measurements are virtual**: bodies, hammers, swing angles, sampling and impact velocities are those of the paper. Assumed here are \
+         the masses of the impedance head, the stiffness of its contact with the hammers, the noise of a sample ({} N, {} m/s², {} µm/m) \
+         and the material of the measured bodies: because eq. 7 is not a causal law, they consist of a nylon with constant loss factor that has \
+         the modulus of eq. 7 at 3 kHz. The bodies obey one-dimensional theory, so the three-dimensional effects that the paper describes \
+         do not occur.\n\n\
          Errata applied: sample periods are {:.0} µs and {:.0} µs, not ms; eq. 7 is used on the frequency axis only; eq. 8 loses its digits \
-         at low frequency and is computed without differences of coth; eq. 3 ends the contact for good, the march lets faces meet again.\n\n\
-         - gauges: strain of the rod {:.0} mm from its end, where the echo of the far end is back after {:.1} ms; computed by the damped Fourier \
+         at low frequency and is computed without differences of coth; eq. 3 ends the contact finally, whereas the faces may meet again in the march.\n\n\
+         - gauges: strain of the rod {:.0} mm from its end, where the echo from the far end arrives after {:.1} ms; computed by the damped Fourier \
          transform, with a contact that ends at the first zero of the stick force\n\
-         - (I): measured impulse response of the body (each line from the hammer with the larger force), predicted one of the rod; on lines \
-         as in the paper, with eq. 3, and marched\n\
-         - (II): both predicted; on lines as in the paper with eq. 7 ({:.0} samples, up to {:.0} kHz), and marched with the causal law\n",
+         - (I): measured impulse response of the body (each line from the hammer with the larger force), predicted response of the \
+         rod; on frequency lines with eq. 3, as in the paper, and by a march in time\n\
+         - (II): both responses predicted; on frequency lines with eq. 7, as in the paper ({:.0} samples, up to {:.0} kHz), and by a march in time with \
+         the causal law\n",
         hammer_tests::FORCE_NOISE,
         hammer_tests::ACCELERATION_NOISE,
         1e6 * forces::STRAIN_NOISE,
@@ -136,16 +137,16 @@ fn milliseconds(time: f64) -> String {
 fn impact_table(rows: &[&Row]) -> Table {
     let mut table = Table::new(&[
         "face",
-        "way",
+        "method",
         "greatest force, N",
         "at, ms",
-        "first parting, ms",
-        "by eq. 3 to the letter, ms",
-        "contacts after it, ms",
+        "first separation, ms",
+        "end by eq. 3 as printed, ms",
+        "later contacts, ms",
         "impulse, N s",
         "M_1 V, N s",
         "restitution",
-        "off the gauges, % of the peak",
+        "difference from the gauges, % of the peak",
         "energy residual",
         "momentum residual",
     ]);
@@ -196,12 +197,12 @@ fn hammer_table(measurements: &[Measurement], forces: &[Forces]) -> Table {
     let mut table = Table::new(&[
         "face",
         "lines from the light hammer, %",
-        "hammers change at, kHz",
+        "change of the hammer at, kHz",
         "standard error of a force, N",
-        "with both hammers by variance, N",
+        "with both hammers weighted by variance, N",
         "standard error of the end, µs",
-        "may part earlier",
-        "truth inside",
+        "possible earlier separation",
+        "exact force inside",
         "screening",
     ]);
     for (measurement, one) in measurements.iter().zip(forces) {
@@ -226,7 +227,7 @@ fn hammer_table(measurements: &[Measurement], forces: &[Forces]) -> Table {
             }),
             format!("{:.3}", known.inside),
             if known.screening.is_empty() {
-                "nothing against it".into()
+                "no fault found".into()
             } else {
                 known.screening.join("; ")
             },
@@ -235,7 +236,7 @@ fn hammer_table(measurements: &[Measurement], forces: &[Forces]) -> Table {
     table
 }
 
-/// Returns the curves of a figure, one below the other, because their times differ.
+/// Returns the curves of a figure as consecutive rows of one table, because their times differ.
 fn histories(forces: &[&Forces]) -> Table {
     let mut table = Table::new(&["face", "curve", "time, ms", "force, N", "from, N", "to, N"]);
     for one in forces {
@@ -276,9 +277,9 @@ fn conclusion(forces: &[Forces]) -> Vec<String> {
             .fold(0.0, f64::max)
     };
     sentences.push(format!(
-        "Figures 5 and 6: from {:.1} ms after the touch to the end of contact, (I) is at most {} % of the peak off the gauges (root mean square), (II) \
-         with eq. 7 on its lines {} %, and marched with the law of the virtual bodies {} %. On the lines of the paper both are coarse in \
-         time, 56 and 49 µs a sample.",
+        "Figures 5 and 6: from {:.1} ms after the start of the contact to its end, the root mean square difference from the gauges is at most {} % of the \
+         peak for (I), {} % for (II) with eq. 7 on its lines, and {} % for (II) marched with the law of the virtual bodies. On the lines of the paper, both \
+         have a coarse resolution in time, 56 and 49 µs per sample.",
         0.1,
         significant(100.0 * worst("(I) on lines"), 2),
         significant(100.0 * worst("(II) on lines"), 2),
@@ -296,8 +297,8 @@ fn conclusion(forces: &[Forces]) -> Vec<String> {
         .filter_map(|row| Some(row.balance?.energy.abs()))
         .fold(0.0, f64::max);
     sentences.push(format!(
-        "Balances: energy closes to {}, momentum with the body as it flies back to {:.0e} where both are predicted, to {:.0e} with the errors \
-         of a measured body.",
+        "Balances: energy closes to {}; momentum, with the observed rebound of the body, closes to {:.0e} if both bodies are predicted, and to {:.0e} with \
+         the errors of a measured body.",
         if energy < 1e-12 {
             "rounding".into()
         } else {
@@ -318,9 +319,9 @@ fn conclusion(forces: &[Forces]) -> Vec<String> {
         let [after, after_graze] = row.missed.unwrap_or([f64::NAN; 2]);
         let letter = way(one, "(II) on lines").and_then(|row| row.to_the_letter);
         sentences.push(format!(
-            "{}: the faces part at {} ms and meet again {} times, with {} % of the impulse, which eq. 3 cannot say. Before that the force \
-             comes down to nothing, the faces are apart for less than 20 µs, and it rises again: eq. 3 to the letter ends the contact there, of the virtual gauges at {} ms and on the \
-             lines of the paper at {} ms. What it leaves out then is {} % of the impulse.",
+            "{}: the faces separate at {} ms and meet again {} times, with {} % of the impulse, which eq. 3 does not include. Before that, the force \
+             falls to zero, the faces separate for less than 20 µs, and the force rises again: eq. 3 as printed ends the contact there, at {} ms for the virtual \
+             gauges and at {} ms on the lines of the paper. It then omits {} % of the impulse.",
             one.face.name(),
             milliseconds(end),
             again.len(),
@@ -339,19 +340,19 @@ fn conclusion(forces: &[Forces]) -> Vec<String> {
         .map(|one| one.uncertainty.inside)
         .fold(1.0, f64::min);
     sentences.push(format!(
-        "Two hammers: weighing their lines by variance instead of taking the larger force divides the error of the force by {:.2} to {:.2}. \
+        "Two hammers: weighting both by their variances on each line, instead of using the one with the larger force, divides the error of the force by {:.2} to {:.2}. \
          {}",
         gain.iter().copied().fold(f64::INFINITY, f64::min),
         gain.iter().copied().fold(0.0, f64::max),
         if inside >= 1.0 {
-            "The truth is within all four bands.".to_owned()
+            "The exact force is within all four bands.".to_owned()
         } else {
-            format!("The truth leaves a band: {inside:.3} of a history is inside.")
+            format!("The exact force is outside a band: {inside:.3} of its history is inside.")
         }
     ));
     sentences.push(
-        "Not reproduced: the measured forces and impulse responses, which were not published as numbers, and with them the paper's finding \
-         that (I) is nearer to them than (II): in one-dimensional bodies both are equally right."
+        "Not reproduced: the measured forces and impulse responses, which were not published as numbers, and therefore the finding of the \
+         paper that (I) is nearer to them than (II): for one-dimensional bodies, both are equally accurate."
             .into(),
     );
     sentences

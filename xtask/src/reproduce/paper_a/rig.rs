@@ -29,7 +29,7 @@ pub(crate) struct VirtualTest {
     highest_hz: f64,
 }
 
-/// Acceleration ratio of several blows, at the lines of the band.
+/// Acceleration ratio from several hits, at the lines of the band.
 #[derive(Debug, Clone)]
 pub(crate) struct Ratio(FrequencyResponse);
 
@@ -42,7 +42,7 @@ impl VirtualTest {
             length: specimen.length,
             accelerometer_mass: specimen.accelerometer_mass,
         };
-        // a length of 400 mm rings down by e^-14 in 30 ms, a length of 800 mm in 60 ms
+        // the vibration decays by e^-14 in 30 ms for a length of 400 mm, in 60 ms for 800 mm
         let n_samples = if specimen.length < 0.5 { 2048 } else { 4096 };
         let ends = end_accelerations(&medium, &rig, n_samples)?;
         Ok(Self {
@@ -54,9 +54,9 @@ impl VirtualTest {
         })
     }
 
-    /// Returns Ψ of the tests of the paper (H₁ of section 3) for blows of this strength, relative
-    /// to that of the swing angle. The noise is that of the sensors; the range of the converter is
-    /// adapted to the blow.
+    /// Returns Ψ of the tests of the paper (H₁ of section 3) for hits of this strength, relative to
+    /// that of the usual swing angle. The noise is that of the sensors; the range of the converter
+    /// is adapted to the hit.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -83,7 +83,10 @@ impl VirtualTest {
         let lines = response
             .frequency_hz
             .partition_point(|f| *f <= self.highest_hz);
-        let coherence = response.coherence.as_ref().ok_or("ten blows have one")?;
+        let coherence = response
+            .coherence
+            .as_ref()
+            .ok_or("the coherence of ten hits is missing")?;
         Ok(TwoPoint::new(self.specimen)?
             .with_limits(AcceptanceLimits::ONE_DIMENSIONAL)?
             .with_solver(solver)

@@ -177,14 +177,14 @@ pub(crate) fn table(tests: &[Evaluated]) -> Table {
         "lines",
         "(i) to (iii)",
         "from, to, Hz",
-        "of these valid",
+        "of these, valid",
         "from, Hz",
         "to, Hz",
         "greatest error of E', %",
         "of E''/E', %",
         "within 1 s.e., %",
         "within 2 s.e., %",
-        "other root by eq. 5",
+        "other root by eq. 5, lines",
         "unnoticed",
     ]);
     for one in tests {

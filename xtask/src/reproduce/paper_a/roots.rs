@@ -43,8 +43,8 @@ pub(crate) struct Wrong {
     pub(crate) wrong: [usize; 2],
     /// Number of wrong roots that fulfil conditions (i) to (iii).
     pub(crate) unnoticed: [usize; 2],
-    /// Number of lines at which noise has brought two roots together. No root is right there, and
-    /// they are not counted.
+    /// Number of lines at which noise has merged two roots. No root is correct there, and these
+    /// lines are not counted as wrong.
     pub(crate) ambiguous: usize,
 }
 
@@ -120,8 +120,8 @@ pub(crate) fn wrong_roots(paper: &PaperA, of_polyamide: &PaperE) -> Result<Vec<W
                 unnoticed: [0; 2],
                 ambiguous: 0,
             };
-            // where |δΨ f''| < |f'|²/2 at the truth, Newton's iteration started there converges to
-            // the right root (Kantorovich)
+            // where |δΨ f''| < |f'|²/2 at the true γL, Newton's iteration started there converges
+            // to the correct root (Kantorovich)
             let right: Vec<Option<Complex64>> = frequency_hz
                 .iter()
                 .zip(exact.iter().zip(&ratio))
@@ -250,11 +250,11 @@ fn series_of(paper: &PaperA, test: &Test) -> Result<Series, Error> {
 pub(crate) fn wrong_table(rows: &[Wrong]) -> Table {
     let mut table = Table::new(&[
         "noise of Ψ, %",
-        "wrong by eq. 5",
-        "of these unnoticed by (i) to (iii)",
-        "wrong by continuation",
-        "of these unnoticed",
-        "two roots brought together by noise",
+        "wrong root by eq. 5, lines",
+        "of these, unnoticed by (i) to (iii)",
+        "wrong root by continuation, lines",
+        "of these, unnoticed",
+        "lines with two roots merged by noise",
     ]);
     for row in rows {
         table.row([
@@ -273,13 +273,13 @@ pub(crate) fn series_table(rows: &[Series]) -> Table {
     let mut table = Table::new(&[
         "test",
         "μ",
-        "lines in (i), (ii)",
-        "accepted by one third",
-        "first refused, Hz",
-        "E' of accepted off by, %",
-        "E'' off by, %",
-        "of all: E', %",
-        "E'', %",
+        "lines within (i) and (ii)",
+        "accepted by the criterion of one third",
+        "first rejected line, Hz",
+        "difference of E' on accepted lines, %",
+        "of E'', %",
+        "difference of E' on all lines, %",
+        "of E'' on all lines, %",
     ]);
     for row in rows {
         table.row([

@@ -37,7 +37,7 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Row>, Error> {
         |angle: f64| 2.0 * (0.5 * angle).sin() * (GRAVITY * paper.pendulum_length).sqrt();
     let [_, usual, _] = paper.swing_angles;
     let exact = rig.ratio_without_noise(1.0)?;
-    // the reference is a repetition: the same hammer is released again, with other noise
+    // the reference is a repetition at the usual swing angle, with other noise
     let reference = rig.estimate(&rig.ratio(1.0, SEED + 200)?, Solver::Continuation)?;
     paper
         .swing_angles
@@ -75,10 +75,10 @@ pub(crate) fn table(rows: &[Row]) -> Table {
     let mut table = Table::new(&[
         "swing angle, °",
         "hammer, m/s",
-        "Ψ off that of 10°, no noise",
+        "difference of Ψ from that at 10°, without noise",
         "valid lines",
         "mean difference of E', %",
-        "r.m.s. difference by its standard error",
+        "r.m.s. difference over its standard error",
     ]);
     for row in rows {
         table.row([

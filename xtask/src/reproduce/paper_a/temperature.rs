@@ -111,8 +111,8 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Heated>, Error> {
 }
 
 /// Returns the mean of independent values, with its standard error. The mean is not weighted: the
-/// variance of a line is known from only ten blows, and weights that follow it would underestimate
-/// the error of the mean.
+/// variance of a line is estimated from only ten hits, and weights computed from it would make the
+/// error of the mean too small.
 fn mean(lines: &[&ModulusLine], value: &dyn Fn(&ModulusLine) -> (f64, f64)) -> (f64, f64) {
     let count = lines.len() as f64;
     let (sum, squares) = lines

@@ -32,7 +32,7 @@ const INTERVAL: f64 = 2e-6;
 const DURATION: f64 = 2e-3;
 /// Spacing of the lines, in Hz.
 const STEP_HZ: f64 = 500.0;
-/// Length of the window as a fraction of the time until the echo of the free end.
+/// Length of the window as a fraction of the time until the echo from the free end arrives.
 const BEFORE_ECHO: f64 = 0.95;
 
 /// Comparison of the two methods on one rod.
@@ -168,12 +168,12 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
 pub(crate) fn table(comparisons: &[Comparison]) -> Table {
     let mut table = Table::new(&[
         "rod of test",
-        "valid lines of the pulse",
+        "valid lines of the pulse method",
         "from, Hz",
         "to, Hz",
-        "its greatest error of E', %",
+        "greatest error of its E', %",
         "of E''/E', %",
-        "off two-point by standard errors: E'",
+        "difference from the two-point method over its standard error: E'",
         "E''",
     ]);
     for one in comparisons {

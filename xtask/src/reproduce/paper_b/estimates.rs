@@ -84,13 +84,13 @@ pub(crate) fn all(paper: &PaperB) -> Result<Vec<Series>, Error> {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "ten"
+    reason = "ten tests"
 )]
 fn tests(paper: &PaperB) -> usize {
     paper.averaged as usize
 }
 
-/// Evaluates ten blows that are measured by three gauges `distance` apart.
+/// Evaluates ten hits measured by three gauges at the spacing `distance`.
 pub(crate) fn in_situ(
     paper: &PaperB,
     mounting: Mounting,

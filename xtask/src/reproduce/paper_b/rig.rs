@@ -17,18 +17,18 @@ use rodwave::modulus::ConstantQ;
 use super::super::Error;
 use testbed::papers::paper_b::PaperB;
 
-/// Distance a between the gauges, which the paper does not state. The frequency at which it is half
-/// a wavelength is above the range of the paper.
+/// Distance a between the gauges, which the paper does not state. The distance is half a wavelength
+/// at a frequency above the range of the paper.
 pub(crate) const GAUGE_DISTANCE: f64 = 0.200;
 
 /// Mass of the lump of structure II; the paper does not state it.
 const LUMP: f64 = 0.1;
 
-/// Error of one strain in one test, relative to the largest strain in the band.
+/// Standard error of one strain in one test, relative to the largest strain in the band.
 pub(crate) const STRAIN_NOISE: f64 = 0.002;
 
-/// Error of one end acceleration in one test, relative to the largest acceleration in the band. The
-/// paper finds less scatter with accelerometers.
+/// Standard error of one end acceleration in one test, relative to the largest acceleration in the
+/// band. The paper finds less scatter with accelerometers.
 pub(crate) const ACCELERATION_NOISE: f64 = 0.0005;
 
 /// Mass of the accelerometer of paper A.
@@ -77,7 +77,7 @@ impl Mounting {
     }
 }
 
-/// Returns the blow: a pendulum hammer, 50 N for 0.1 ms.
+/// Returns the force of the pendulum hammer: 50 N for 0.1 ms.
 fn blow() -> Result<HalfSine, Error> {
     Ok(HalfSine::new(50.0, 1e-4)?)
 }
@@ -104,7 +104,7 @@ pub(crate) fn strains(
     Ok(bar.strain_spectra(&Excitation::Force(&blow()?), &omegas)?)
 }
 
-/// Returns the ratios of the end accelerations of the dismounted bar from `tests` blows, and their
+/// Returns the ratios of the end accelerations of the dismounted bar from `tests` hits, and their
 /// variance.
 pub(crate) fn acceleration_ratios(
     paper: &PaperB,
@@ -145,7 +145,7 @@ fn circular(size: f64, random: &mut ChaCha8Rng) -> Complex64 {
     Complex64::new(re, im) * (size * 0.5_f64.sqrt())
 }
 
-/// Returns `tests` blows on the bar, with noise of `size` on every strain, as
+/// Returns the spectra of `tests` hits on the bar, with noise of `size` on every strain, as
 /// (n_tests)(n_gauges)(n_lines).
 pub(crate) fn measured(
     strains: &[Vec<Complex64>],

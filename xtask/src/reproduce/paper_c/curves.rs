@@ -179,22 +179,22 @@ pub(crate) fn conclusion(paper: &PaperC, rows: &[Row]) -> Vec<String> {
     };
     vec![
         format!(
-            "The printed E_2, B and m with the corrected eq. 5 give what the paper describes: progressive in stress, regressive in \
-             duration, and {:.1} % of the loss factor left after five hours. Eq. 5 as printed gives recovery times of {:.0e} s and \
-             more, that is no recovery at all.",
+            "The printed E_2, B and m with the corrected eq. 5 give what the paper describes: the change of the loss factor grows faster than stress \
+             and more slowly than duration, and at most {:.1} % is left after five hours. Eq. 5 as printed gives recovery times of {:.0e} s and \
+             more, that is, no recovery at all.",
             100.0 * greatest_left,
             printed,
         ),
         format!(
-            "Test 6 at 60 s: {:.0} %, between Test 1 ({:.0} %) and Test 2 ({:.0} %), as the paper found; its periodic part alone does \
-             it, without fatigue.",
+            "Test 6 at 60 s: {:.0} %, between Test 1 ({:.0} %) and Test 2 ({:.0} %), as the paper found; the periodic part of the \
+             load alone explains this, without fatigue.",
             change("6"),
             change("1"),
             change("2"),
         ),
         format!(
-            "The price is what the paper concedes: the limiting strain would be {strain:.0}, and the modulus changes by {:.3} % at most, \
-             much less than was measured.",
+            "The paper concedes two shortcomings of the model: the limiting strain would be {strain:.0}, and the modulus changes by {:.3} % at most, \
+             much less than measured.",
             100.0 * modulus.abs(),
         ),
     ]

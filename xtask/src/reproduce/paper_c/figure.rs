@@ -12,7 +12,7 @@ fn roles() -> impl Iterator<Item = Role> {
     (0..5).map(Role::of_series).chain([Role::Reference])
 }
 
-/// Draws Figure 2: lines of the model, and points of the virtual readings.
+/// Draws Figure 2: lines of the model, and points of the virtual measurements.
 pub(crate) fn loss_factor(
     paper: &PaperC,
     model: &ThreeElement,
@@ -25,8 +25,8 @@ pub(crate) fn loss_factor(
         let points = test.time().iter().copied().zip(points);
         marks.push(Mark::points("", role, points));
     }
-    let title = "Paper C, Figure 2: loss factor after unloading (points: virtual readings)";
-    let label = "change of the loss factor by its virgin value";
+    let title = "Paper C, Figure 2: loss factor after unloading (points: virtual measurements)";
+    let label = "change of the loss factor over its virgin value";
     Ok(drawn("figure-2", title, panel(label, marks)))
 }
 
@@ -34,7 +34,7 @@ pub(crate) fn loss_factor(
 pub(crate) fn modulus(paper: &PaperC, model: &ThreeElement) -> Result<(String, String), Error> {
     let marks = lines(paper, model, Quantity::Modulus)?;
     let title = "Paper C, Figure 3: magnitude of the modulus after unloading, by the model";
-    let label = "change of |E| by its virgin value";
+    let label = "change of |E| over its virgin value";
     Ok(drawn("figure-3", title, panel(label, marks)))
 }
 

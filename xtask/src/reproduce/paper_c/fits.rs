@@ -42,7 +42,9 @@ pub(crate) fn all(paper: &PaperC, tests: &[RecoveryTest]) -> Result<Vec<Fit>, Er
         standard_error: 0.0,
     };
     // the second test, the reference of the paper
-    let alone = tests.get(1..2).ok_or("paper C has five creep tests")?;
+    let alone = tests
+        .get(1..2)
+        .ok_or("paper C has fewer than two creep tests")?;
     let by_procedure = paper_procedure(tests, 1, modulus.value, (0.2, 5.0))?.parameters;
     let procedure = [
         by_procedure.parallel_modulus,

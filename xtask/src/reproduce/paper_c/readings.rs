@@ -1,5 +1,5 @@
-//! Virtual readings of the loss factor. They are computed by integrating the dashpot, not by the
-//! closed form that is fitted to them.
+//! Virtual measurements of the loss factor. They are computed by integrating the dashpot, not by
+//! the closed form that is fitted to them.
 
 use cmod::recovery::{LossFactorReadings, RecoveryTest};
 use rand::SeedableRng;
@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::super::Error;
 use testbed::papers::paper_c::PaperC;
 
-/// Recovery times of the readings, in s.
+/// Recovery times of the measurements, in s.
 pub(crate) const TIMES: [f64; 12] = [
     60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1100.0, 1800.0, 3000.0, 5000.0, 9000.0, 18000.0,
 ];
@@ -35,7 +35,7 @@ fn march(paper: &PaperC, mut strain: f64, stress: f64, duration: f64) -> f64 {
     strain
 }
 
-/// Returns the creep tests, with noisy readings.
+/// Returns the creep tests, with noisy loss factors.
 pub(crate) fn of_creep_tests(paper: &PaperC) -> Result<Vec<RecoveryTest>, Error> {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut tests = Vec::new();

@@ -18,7 +18,7 @@ use testbed::papers::paper_d::{AppendixRow, LawParameters, ModelKind, PaperD, Un
 
 /// Longest cell of the inversion, in m.
 const CELL: f64 = 1e-3;
-/// Number of cells of the chain per shortest wave of the record.
+/// Number of cells of the chain per shortest wavelength of the record.
 const CELLS_PER_WAVE: f64 = 90.0;
 /// Distance of the section of excitation from the struck end in m, as in Table 2; the appendix does
 /// not state the length of the rod.
@@ -29,7 +29,7 @@ const TAPE: f64 = 0.008;
 pub(crate) struct Line {
     pub(crate) parameter: Parameter,
     pub(crate) input: f64,
-    /// Change of the response due to a change of the input by ten per cent, rms, as a fraction of
+    /// Rms change of the response due to a change of the input by ten per cent, as a fraction of
     /// V0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) influence_of_ten_per_cent: Option<f64>,
@@ -149,7 +149,9 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
         reading: match way {
             Way::RoundTrip => UnitReading::Literal.description(),
             Way::Independent => UnitReading::Milliseconds.description(),
-            Way::ActivationActs => "our own row: milliseconds, with m = 12 MPa, where m acts",
+            Way::ActivationActs => {
+                "additional row: milliseconds, with m = 12 MPa, where m has an effect"
+            }
         },
         data: if round_trip {
             "virtual, noise-free, made by the solver that inverts it (as in the paper's appendix)"

@@ -17,8 +17,8 @@ use super::verdict::{Verdict, verdict};
 use super::virtual_test::{self, Rig};
 use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
-/// Number of components of the pattern that are kept, and of functions of them. With 60 samples per
-/// model, even the best choice is little better than chance.
+/// Number of principal components of the pattern that are kept; P_i is a linear function of them.
+/// With 60 samples per model, even the best number is little better than chance.
 const COMPONENTS: usize = 6;
 
 /// Row of the table: a material, its data, and the measures of the three models.

@@ -120,7 +120,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
     let loss_factor = flat
         .identifiability(Noise::Stated)
         .and_then(|found| found.estimates.into_iter().nth(1))
-        .ok_or("the fit with constant loss has a loss factor")?;
+        .ok_or("the fit with constant loss has no loss factor")?;
     let comparison = Selection::new(Candidate::standard())?.compare(&weighed)?;
     Ok(FlatLoss {
         material: job.material.material.clone(),

@@ -1,4 +1,4 @@
-//! Identification, with a result that no longer depends on the type of the law.
+//! Identification, with a result whose type does not depend on the law.
 
 use maxwellid::{
     Fit, IdentifiableLaw, MaxwellidError, Noise, RodModel, RodTest, Role, Scale, Verdict,
@@ -71,8 +71,8 @@ pub(crate) fn value_of(values: &[(&str, f64)], symbol: &str) -> Option<f64> {
         .map(|(_, value)| *value)
 }
 
-/// Returns the change of the responses of `tests` due to a change of each coordinate of the true
-/// `parameters` by ten per cent, rms, as a fraction of V0, by symbol. It is the same for all
+/// Returns the rms change of the responses of `tests` due to a change of each coordinate of the
+/// true `parameters` by ten per cent, as a fraction of V0, by symbol. It is the same for all
 /// methods of identification, unlike the change computed at the point where an iteration stopped.
 pub(crate) fn influences(
     parameters: LawParameters,
@@ -253,7 +253,7 @@ fn run<L: IdentifiableLaw>(
             .into_iter()
             .map(|estimate| {
                 let identified = estimate.verdict == Verdict::Identified;
-                // the data determine a derived parameter as well as its coordinates
+                // the data determine a derived parameter if they determine its coordinates
                 let determined = identified
                     || law_is_identified
                         && estimate.role == Role::Derived

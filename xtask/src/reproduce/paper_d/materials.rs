@@ -15,7 +15,7 @@ use testbed::papers::paper_d::{
 /// noise.
 pub(crate) const CELL: f64 = 4e-3;
 
-/// Number of cells of the chain per shortest wave of the record.
+/// Number of cells of the chain per shortest wavelength of the record.
 const CELLS_PER_WAVE: f64 = 50.0;
 
 /// Verdict for the parameters of a nonlinear law if the recorder could not follow the excitation.
@@ -67,8 +67,8 @@ pub(crate) struct Line {
     pub(crate) parameter: Parameter,
     /// True value in the data.
     pub(crate) input: f64,
-    /// Change of the responses due to a change of the true value by ten per cent, rms, as a
-    /// fraction of V0.
+    /// Rms change of the responses due to a change of the true value by ten per cent, as a fraction
+    /// of V0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) influence_of_ten_per_cent: Option<f64>,
     /// (output - input) over the standard error.
@@ -244,7 +244,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
                     "a lumped chain struck by a flat striker, both histories low-passed by the recorder afterwards"
                 }
                 Excitation::ThroughRecorder => {
-                    "those of the flat striker, identified with the recorder as part of the model"
+                    "the data of the flat striker, identified with the recorder as part of the model"
                 }
             },
             100.0 * NOISE,

@@ -15,8 +15,9 @@ use super::identify::{modulus_of, with_law};
 use testbed::papers::paper_d::{self, LawParameters};
 use testbed::struck_rod::{self, StruckRod};
 
-/// Standard deviation of the noise added to each of the two histories, as a fraction of V0. A
-/// simulation from one noisy history, compared with the other, gives about the errors of Table 5.
+/// Standard deviation of the noise added to each of the two histories, as a fraction of V0. The
+/// difference between a simulation from one noisy history and the other history is then about the
+/// error of Table 5.
 pub(crate) const NOISE: f64 = 0.008;
 
 /// Seed of the noise, to which the number of the test is added.
@@ -95,7 +96,7 @@ pub(crate) struct Conditions {
 }
 
 /// Returns the length of a cell of the chain for a rod with wave speed c = (E/ρ)^½: a fraction of
-/// the shortest wave that the recorder passes.
+/// the shortest wavelength that the recorder passes.
 pub(crate) fn cell_for(modulus: f64, density: f64, cells_per_wave: f64) -> f64 {
     (modulus / density).sqrt() / CUTOFF_HZ / cells_per_wave
 }
@@ -181,7 +182,7 @@ impl Rig {
     /// histories, and white noise is added to both.
     ///
     /// The filter of the recorder acts after the rod. It does not commute with a nonlinear rod: the
-    /// recorded excitation is not the one that caused the recorded response.
+    /// recorded excitation would not cause the recorded response.
     pub(crate) fn struck(
         &self,
         conditions: &Conditions,
@@ -255,15 +256,15 @@ impl Rig {
         // reduce the order of the splitting
         let step = conditions.cell / (modulus / conditions.density).sqrt() / FLAT_LOSS_REFINEMENT;
         let duration = times.last().copied().unwrap_or(0.0);
-        // the grid may end up to a step later than requested, but the excitation is known only to
-        // the last sample
+        // the last step of the grid may end later than requested, by at most a step, but the
+        // excitation is known only to the last sample
         let run = line.run(step, duration - 2.0 * step, &[])?;
         let step = run.grid.time_step;
         // the velocities of the end are those at the middle of the steps
         let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / step)?;
         let response: Vec<f64> = times
             .iter()
-            // for the last samples the interpolation lacks neighbours; they are outside every
+            // the interpolation has no neighbours for the last samples, which are outside every
             // window
             .map(|t| end.at((t - 0.5 * step).max(0.0)))
             .collect();

@@ -26,14 +26,14 @@ pub(crate) const STRAIN_NOISE: f64 = 2e-7;
 /// Duration of the marches, in s: long enough for the ringing of the bodies to end.
 const MARCHED: f64 = 40e-3;
 /// Largest tension that counts as ringing or noise, as a fraction of the largest force. A larger
-/// tension is a pull between the faces.
+/// tension means that the faces separate.
 const THRESHOLD: f64 = 0.02;
 /// Probability of the bands.
 pub(crate) const LEVEL: f64 = 0.95;
-/// Duration below which a contact counts as a graze, and a separation does not count, in s.
+/// Shortest duration of a contact or a separation that is counted, in s.
 const SHORTEST: f64 = 20e-6;
 /// Start of the comparison with the force from the gauges, in s. It is after the initial jump,
-/// which each method rounds differently.
+/// which each method smooths differently.
 const COMPARED: f64 = 0.1e-3;
 
 /// Force of a face on the long rod by every method.
@@ -53,7 +53,7 @@ pub(crate) struct Forces {
     pub(crate) band: ForceBand,
     /// Method (II) as in the paper: by eq. 7 on the lines of the paper, until separation.
     pub(crate) predicted: ForceHistory,
-    /// Method (II), marched with the causal law: the faces may part and meet again.
+    /// Method (II), marched with the causal law: the faces may separate and meet again.
     pub(crate) marched: ForceHistory,
     pub(crate) rows: Vec<Row>,
     pub(crate) uncertainty: Uncertainty,
@@ -67,11 +67,11 @@ pub(crate) struct Row {
     /// Peak force in N and its time in s.
     pub(crate) peak: f64,
     pub(crate) peak_time: f64,
-    /// Time from the contact to the first parting, in s.
+    /// Time from the start of the contact to the first separation, in s.
     pub(crate) end: Option<f64>,
     /// End of the contact by eq. 3 exactly as printed, in s: the first sample below zero.
     pub(crate) to_the_letter: Option<f64>,
-    /// Fraction of the impulse after the first parting, and after the end of the contact from the
+    /// Fractions of the impulse after the first separation, and after the end of the contact by the
     /// gauges if that is earlier.
     pub(crate) missed: Option<[f64; 2]>,
     /// Times at which the later contacts begin and end, in s; `None` if the method gives only one
@@ -103,12 +103,12 @@ pub(crate) struct Uncertainty {
     /// Standard errors: of a force in N, and of the end of the contact in s.
     pub(crate) force: f64,
     pub(crate) end: Option<f64>,
-    /// Probability that the faces part earlier, at a minimum of the force, and the time of the
-    /// minimum.
+    /// Time of a minimum of the force, and the probability that the faces separate there.
     pub(crate) may_end_earlier: Option<(f64, f64)>,
     /// Standard error of a force in N if both hammers are used on every line.
     pub(crate) force_by_variance: f64,
-    /// Fraction of the prediction by (II) on the same lines that is within the band.
+    /// Fraction of the exact history of the virtual body, on the same lines, that is within the
+    /// band.
     pub(crate) inside: f64,
     /// Result of the screening of the measured body.
     pub(crate) screening: Vec<String>,
@@ -158,7 +158,7 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
             .iter()
             .filter_map(|contact| Some([contact.begin, contact.end?]))
             .filter(|[begin, end]| end - begin > SHORTEST);
-        // a graze of one or two steps does not separate the contacts before and after it
+        // contacts with a separation shorter than `SHORTEST` between them count as one contact
         let mut merged: Vec<[f64; 2]> = Vec::new();
         for [begin, end] in contacts.by_ref() {
             match merged.last_mut() {
@@ -209,10 +209,10 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     let (measured, measured_row) = single("(I) on lines", &stick)?;
     let contact = stick
         .index_near(0.0)
-        .ok_or("the contact is in the history")?;
+        .ok_or("the history does not contain the contact")?;
     let last = stick
         .index_near(GAUGED)
-        .ok_or("2.3 ms are in the history")?;
+        .ok_or("the history is shorter than 2.3 ms")?;
     let mut random = ChaCha8Rng::seed_from_u64(SEED + 1);
     let stick_band = error.simultaneous(&stick, LEVEL, contact..last, 1000, &mut random)?;
     let impact = separate(&stick, THRESHOLD * stick.peak().force)?;
@@ -292,7 +292,7 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     })
 }
 
-/// Returns F(t) = -AEε(t + t_tr) from gauges on the rod, with noise of the strain. The blow is
+/// Returns F(t) = -AEε(t + t_tr) from gauges on the rod, with noise of the strain. The impact is
 /// computed by the damped Fourier transform and ends at the first zero of the stick force. The time
 /// of this zero is also returned.
 fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f64), Error> {

@@ -1,8 +1,8 @@
 //! Impulse responses of virtual bodies, measured as in the paper: an impedance head, a light and a
 //! heavy hammer, ten tests with each hammer.
 //!
-//! The blows are computed by the damped Fourier transform of `rodwave::experiment`; the predictions
-//! of forces use other methods.
+//! The hammer impacts are computed by the damped Fourier transform of `rodwave::experiment`; the
+//! predictions of forces use other methods.
 
 use impulse::{FaceMobility, ImpedanceHead, LowFrequency, MeasuredBody, WeighedMass};
 use labio::MergedResponse;
@@ -23,13 +23,13 @@ pub(crate) const SEED: u64 = 1993;
 #[derive(Debug)]
 pub(crate) struct Measurement {
     pub(crate) frequency_step_hz: f64,
-    /// Each line from the hammer with the larger force, the rule of the paper.
+    /// Rule of the paper: each line from the hammer with the larger force.
     pub(crate) larger_force: FaceMobility,
-    /// Each line from both hammers, weighted by their variances.
+    /// Second rule: each line from both hammers, weighted by their variances.
     pub(crate) inverse_variance: FaceMobility,
     /// Fraction of the lines that the rule of the paper takes from the light hammer.
     pub(crate) part_of_light: f64,
-    /// Median frequency of the lines at which this rule changes the hammer, in Hz.
+    /// Median frequency of the lines at which the rule of the paper changes the hammer, in Hz.
     pub(crate) crossover_hz: Option<f64>,
 }
 

@@ -52,7 +52,7 @@ const REFERENCE: [(f64, [(f64, f64); 4]); 5] = [
 const SLOW: [f64; 4] = [100.0, 1.0, 1e-2, 1e-4];
 
 /// Independently computed forces of the faces, in N: the greatest force of the first contact, for
-/// nylon of constant loss, rounded by a Gaussian of 10 µs.
+/// nylon of constant loss, smoothed by a Gaussian of 10 µs.
 const REFERENCE_PEAK: [f64; 4] = [2247.0, 2029.0, 1617.0, 2450.0];
 
 /// One face at one frequency.
@@ -85,7 +85,7 @@ pub(crate) struct Jump {
     from_impedances: f64,
     /// Force of the first 0.1 µs of the march, in N.
     pub(crate) first_step: f64,
-    /// Greatest force in N, rounded as the reference is.
+    /// Greatest force in N, smoothed as the reference is.
     pub(crate) rounded_peak: f64,
     pub(crate) reference_peak: f64,
     elastic: bool,
@@ -200,7 +200,7 @@ pub(crate) fn slow_table(rows: &[Slow]) -> Table {
     for row in rows {
         for (way, values) in [
             ("chain", row.at_rounding),
-            ("eqs. 8, 9 to the letter", row.to_the_letter),
+            ("eqs. 8, 9 as printed", row.to_the_letter),
         ] {
             let mut cells = vec![row.face.to_owned(), way.into()];
             cells.extend(values.map(|value| format!("{value:.1e}")));
@@ -215,7 +215,7 @@ pub(crate) fn jump_table(rows: &[Jump]) -> Table {
         "face",
         "V/(1/Z_1 + 1/Z_2), N",
         "first 0.1 µs, N",
-        "greatest force, rounded, N",
+        "greatest force, smoothed, N",
         "reference, N",
     ]);
     for row in rows {
@@ -239,15 +239,15 @@ pub(crate) fn conclusion(lines: &[Line], slow: &[Slow], jumps: &[Jump]) -> Vec<S
             .fold(0.0, f64::max)
     };
     let mut sentences = vec![format!(
-        "Mobilities: the four faces agree with the reference of 40 digits to {:.0e}, which are its printed digits, and with eqs. 8 and 9 to \
-         the letter to {:.0e}.",
+        "Mobilities: the four faces agree with the reference, computed with 40 digits, to {:.0e}, the accuracy of its printed digits, and with eqs. 8 and 9 as \
+         printed to {:.0e}.",
         worst(0),
         worst(1)
     )];
     if let Some(cone) = slow.iter().find(|row| row.face == Face::ConeA.name()) {
         sentences.push(format!(
-            "Low frequency: iωMG tends to 1, to {:.0e} at 0.01 Hz by the chain. Of eq. 8 to the letter the differences of coth cancel: \
-             face A of the cone is wrong by {} of itself at 0.01 Hz and by {} at 0.0001 Hz; on the lines of the paper, from 8.7 Hz, it does no harm.",
+            "Low frequency: by the chain, iωMG is 1 to {:.0e} at 0.01 Hz. In eq. 8 as printed, the differences of coth cancel: \
+             the relative error of face A of the cone is {} at 0.01 Hz and {} at 0.0001 Hz; on the lines of the paper, from 8.7 Hz on, it is negligible.",
             slow.iter().map(|row| row.at_rounding[2]).fold(0.0, f64::max),
             significant(cone.to_the_letter[2], 1),
             significant(cone.to_the_letter[3], 1),
@@ -260,8 +260,8 @@ pub(crate) fn conclusion(lines: &[Line], slow: &[Slow], jumps: &[Jump]) -> Vec<S
         .fold(0.0, f64::max);
     if let Some(excess) = aluminium {
         sentences.push(format!(
-            "First jump: that of the aluminium face is V/(1/Z_1 + 1/Z_2) to {excess:.0e}; the impedance of nylon grows with frequency, and so \
-             do its first forces. Rounded by 10 µs the greatest forces are those of the independent computation to {} %.",
+            "First jump: for the aluminium face it is V/(1/Z_1 + 1/Z_2) to {excess:.0e}; the impedance of nylon increases with frequency, and its \
+             initial force is therefore larger. Smoothed by 10 µs, the greatest forces agree with those of the independent computation to {} %.",
             significant(100.0 * rounded, 1)
         ));
     }
