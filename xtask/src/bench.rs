@@ -3,7 +3,8 @@
 //!
 //! docs/performance.ron contains the targets with their reasons, docs/performance-measured.ron the
 //! numbers of the last complete run. The page is made from both files and can be checked without a
-//! run. Times need an idle machine; the instruction counts of the hottest kernels do not.
+//! run. Times must be measured on an idle machine; the instruction counts of the hottest kernels do
+//! not depend on the load.
 
 mod criterion;
 mod error;

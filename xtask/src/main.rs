@@ -46,8 +46,7 @@ struct Arguments {
 enum Task {
     /// Write fixtures/golden from the transcribed tables of fixtures/papers.
     Fixtures {
-        /// Change nothing; fail if a golden file is not what would be written, and name the command
-        /// to run.
+        /// Change nothing; fail if a golden file is not current, and name the command to run.
         #[arg(long)]
         check: bool,
     },
@@ -96,20 +95,20 @@ enum Task {
     },
     /// Write docs/traceability.md: every numbered item of the thesis, with its code and its proof.
     Traceability {
-        /// Change nothing; fail if the page is not what would be written.
+        /// Change nothing; fail if the page is not current.
         #[arg(long)]
         check: bool,
     },
     /// Build a program outside the workspace with each library crate alone, and write
     /// docs/dependencies.md with the dependencies of each crate.
     Outside {
-        /// Change nothing in the repository; fail if the page is not what would be written.
+        /// Change nothing in the repository; fail if the page is not current.
         #[arg(long)]
         check: bool,
     },
     /// Write docs/api: all public items of each library crate.
     Api {
-        /// Change nothing in the repository; fail if a listing is not what would be written.
+        /// Change nothing in the repository; fail if a listing is not current.
         #[arg(long)]
         check: bool,
     },
@@ -129,14 +128,14 @@ enum Task {
         /// skipped.
         #[arg(long, env = "RODLAB_DATA")]
         data: Option<PathBuf>,
-        /// Change nothing in the repository; fail if docs/validation.md is not what would be
-        /// written, and name the claims that differ.
+        /// Change nothing in the repository; fail if docs/validation.md is not current, and name
+        /// the claims that differ.
         #[arg(long)]
         check: bool,
     },
 }
 
-/// First question that mdBook asks a preprocessor.
+/// First call of a preprocessor by mdBook.
 #[derive(Subcommand)]
 enum Question {
     /// Report by the exit status whether a renderer is supported.
@@ -145,8 +144,8 @@ enum Question {
 
 #[derive(clap::Args)]
 struct Measurement {
-    /// Run nothing; fail if docs/performance.md is not what its numbers give, or if its benchmarks
-    /// are not those of the sources.
+    /// Run nothing; fail if docs/performance.md does not agree with the stored numbers, or its
+    /// benchmarks not with the sources.
     #[arg(long)]
     check: bool,
     /// Measure for a shorter time and write the page to target/bench.

@@ -41,7 +41,7 @@
 //! # Loss alone
 //! Noise in 2n numbers hides an error of a single quantity: with 60 lines and 5 % of noise, doubled
 //! losses increase the residual only by a factor of 1.1. The result therefore also contains the
-//! size κ of one error that no causal material has: all losses larger by the same factor, with E'
+//! size κ of one error that violates causality: all losses too large by the same factor, with E'
 //! unchanged. The nearest material is fitted once more with
 //!
 //! ```text

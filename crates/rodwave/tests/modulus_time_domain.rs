@@ -1,5 +1,5 @@
-//! E(t) and J(t) of the linear laws: monotonic, bounding each other, and rejected at and before the
-//! step.
+//! E(t) and J(t) of the linear laws: monotonicity, E(t) J(t) <= 1, and times at and before the
+//! step, which are rejected.
 
 use rodwave::modulus::{
     ConstantQ, Elastic, FractionalZener, GeneralisedMaxwell, KelvinVoigt, Maxwell, SpringPot,

@@ -112,7 +112,7 @@ fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<Computed, Error> {
         .collect();
     let done: Vec<Done> = jobs
         .par_iter()
-        // one job per piece of work, because the durations differ by a factor of ten
+        // jobs are distributed one by one, because their durations differ by a factor of ten
         .with_max_len(1)
         .map(|job| {
             Ok(match job {

@@ -113,7 +113,7 @@ impl InelasticLaw for MaxwellGurevichRabinovich {
 /// Relaxation of the law: E1(y1) = E1(y0) + q with y = |σ|/m and q = E h/η, E1 the exponential
 /// integral.
 ///
-/// With y1 = y0 e^{-S}, the same relation reads ∫₀^S exp(-y0 e^{-s}) ds = q. This form holds for
+/// With y1 = y0 e^{-S}, the same relation reads ∫₀^S exp(-y0 e^{-s}) ds = q. This form is valid for
 /// either sign of m and has no cancellation. The short steps of a solver use the Taylor series of
 /// y1/y0 in q; long steps solve for y1.
 ///

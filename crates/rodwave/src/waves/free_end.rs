@@ -230,8 +230,9 @@ impl FreeEndWaves {
         Ok(IncidentWave { lines, distance })
     }
 
-    /// Returns the waves at the distance `from_end` \[m\] from the free end. Before the gauge, the
-    /// wave towards the end is traced back, where it grows; it is limited to the band once more.
+    /// Returns the waves at the distance `from_end` \[m\] from the free end. Beyond the gauge, the
+    /// wave towards the end is traced back, which amplifies it; it is then limited to the band
+    /// again.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for a negative distance, [`RodwaveError::NonFiniteSample`] if

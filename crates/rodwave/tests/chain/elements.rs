@@ -155,7 +155,7 @@ fn any_omega() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    /// det P = 1, which is reciprocity, and P P⁻¹ = 1.
+    /// det P = 1, which expresses reciprocity, and P P⁻¹ = 1.
     #[test]
     fn determinant_and_inverse(
         kind in 0..6usize, near in any_area(), far in any_area(), length in 0.01..0.5f64, omega in any_omega(),

@@ -94,7 +94,7 @@ fn claims_hold() {
         &|omega, _| {
             let end = Termination::semi_infinite(&steel(), circle(0.010));
             let long = Chain::from_impact_face().end(end).unwrap();
-            // c A of the printed constants, computed by hand: none of our media is used
+            // ρcA from the printed constants, without the media of the crate
             let z = (206e9_f64 * 7780.0).sqrt() * PI / 4.0 * 0.010 * 0.010;
             relative(long.mobility(omega).unwrap(), Complex64::from(1.0 / z))
         },

@@ -68,8 +68,8 @@ fn elastic_responses_of_the_tests_of_table_2() {
     }
 }
 
-/// Returns the largest response of the rod of the appendix with a law, in which two solvers agree,
-/// and that of an elastic rod.
+/// Returns the largest response of the rod of the appendix with the `law`, and that of an elastic
+/// rod. Checks that two solvers agree.
 fn peaks<L: InelasticLaw>(density: f64, modulus: f64, law: L) -> (f64, f64) {
     let appendix = GoldenTable::read("paper_d_constants.ron");
     let length = appendix.constant("appendix_section_distance").value;

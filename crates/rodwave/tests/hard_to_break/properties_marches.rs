@@ -22,7 +22,7 @@ fn cases(cases: u32, seed: u64) -> ProptestConfig {
     }
 }
 
-/// Smooth push of 60 µs.
+/// Smooth pulse of 60 µs with the maximum 1.
 fn push(time: f64) -> f64 {
     if (0.0..=60e-6).contains(&time) {
         (std::f64::consts::PI * time / 60e-6).sin().powi(2)
@@ -160,7 +160,7 @@ fn linear_rods_superpose() {
     for ((one, late), both) in one.iter().zip(&late).zip(answer(&sum)) {
         assert!((one + late - both).abs() < 1e-13);
     }
-    // a push that begins 17 samples later causes the same response 17 samples later, to the
+    // a pulse that begins 17 samples later causes the same response 17 samples later, to the
     // rounding of the times
     for (k, value) in one.iter().enumerate().take(80) {
         assert!(

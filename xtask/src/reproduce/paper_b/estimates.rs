@@ -113,7 +113,7 @@ pub(crate) fn in_situ(
         diameter: paper.diameter,
         density: paper.density,
     })?
-    // the conditions of the paper; errors are not limited, because they are shown
+    // only the conditions of the paper: errors are shown and therefore not limited
     .with_limits(AcceptanceLimits::NONE)?
     .estimate(&GaugeSpectra {
         frequency_hz: &frequency_hz,

@@ -1,5 +1,5 @@
-//! Laws of the paper fitted to linear rods with the same loss at every frequency, to which polymers
-//! are close.
+//! Laws of the paper fitted to linear rods with the same loss at every frequency, which is nearly
+//! so in polymers.
 
 use std::f64::consts::TAU;
 
