@@ -117,8 +117,8 @@ fn drawn(name: &str, title: &str, panels: Vec<Panel>) -> (String, String) {
     (format!("{name}.svg"), svg)
 }
 
-/// Reproduces `papers`. A single paper is printed as a whole page; of several, only the shown parts
-/// are printed.
+/// Reproduces `papers`. A single paper is printed as a whole page; of several papers, only titles
+/// and conclusions.
 pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
     for paper in papers {
         let began = Instant::now();
@@ -151,7 +151,8 @@ pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
                 if accept { "Accepted as" } else { "Agrees with" }
             );
         }
-        // printed to the terminal and not to a file: the files are the same on every machine
+        // the duration is printed and not written to a file: the files are the same on every
+        // machine
         println!("({:.1} s)\n", began.elapsed().as_secs_f64());
     }
     Ok(())
