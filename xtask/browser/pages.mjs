@@ -37,7 +37,8 @@ fs.cpSync(path.join(here, '../../crates/rodlab/examples'), folder, { recursive: 
 
 const browser = await puppeteer
   .launch({
-    // the arguments for systems without graphics, except those that relax the security rules of the page
+    // arguments of a Chromium without graphics, except those that relax the browser's security
+    // rules
     args: chromium.args.filter((one) => !/web-security|site-isolation|insecure-content|disable-features/.test(one)).concat('--no-sandbox'),
     executablePath: await chromium.executablePath(),
     headless: 'shell',
@@ -47,7 +48,7 @@ const browser = await puppeteer
     process.exit(0);
   });
 
-// Returns the faults of the displayed page: wider than the window, rows of more than three lines, tables cut off, contrast below AA.
+// Returns the faults of the displayed page: a page wider than the window, rows of more than three lines, tables cut off, contrast below AA.
 function shown() {
   const wrong = [];
   if (document.documentElement.scrollWidth > innerWidth) wrong.push(`the page is ${document.documentElement.scrollWidth} px wide`);
@@ -109,7 +110,7 @@ function structure() {
   return lines;
 }
 
-// Checks the first figure by keyboard: an arrow key shows a value, plus zooms, escape resets.
+// Checks the first figure by keyboard: an arrow key shows a value, `+` zooms in, Escape resets the zoom.
 async function by_keys(page) {
   const wrong = [];
   const panel = (await page.$$('svg[aria-label]'))[0];

@@ -33,7 +33,7 @@ enum ApiError {
     NotNameable(String),
 }
 
-/// Writes the listings; with `check`, compares them.
+/// Writes the listings; with `check`, compares them with the files.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let workspace = Metadata::of(root, &[])?;
@@ -42,8 +42,8 @@ pub(crate) fn run(check: bool) -> Outcome {
     for library in &LIBRARIES {
         let krate = library.name;
         let program = Program::write(root, krate, &workspace)?;
-        // cargo's own files are shared; the output of rustdoc is kept apart from the pages of
-        // `cargo doc`
+        // intermediate files are shared with the workspace; the output of rustdoc is kept apart
+        // from the pages of `cargo doc`
         let written = target_folder().join("outside").join("json");
         call(
             program
@@ -86,7 +86,7 @@ fn rustdoc() -> OsString {
 }
 
 /// Calls rustdoc with the arguments that cargo gave to this program; `None` if cargo did not call
-/// it.
+/// this program as its rustdoc.
 pub(crate) fn as_rustdoc() -> Option<ExitCode> {
     let rustdoc = std::env::var_os(RUSTDOC)?;
     let ended = Command::new(&rustdoc)

@@ -46,7 +46,8 @@ const WORK: &str = "target/bench";
 pub(crate) enum Task {
     /// Run everything and write numbers and page.
     Measure,
-    /// Run everything for a shorter time and write a page next to that of the repository.
+    /// Run for a shorter time, without the longest programs and without counting instructions, and
+    /// write numbers and page to target/bench.
     Try,
     /// Run nothing, and write the page again from the existing numbers.
     Page,
@@ -54,8 +55,8 @@ pub(crate) enum Task {
     Check,
     /// Count instructions and store them as the reference.
     Count,
-    /// Count instructions and compare them with the reference. If that is impossible, fail, or with
-    /// `where_possible` report it.
+    /// Count instructions and compare them with the reference. If this is impossible, it is an
+    /// error, or with `where_possible` a printed remark.
     CompareCounts { where_possible: bool },
 }
 
@@ -88,7 +89,7 @@ impl Pace {
         }
     }
 
-    /// Returns the number of runs of a program that takes less than a second.
+    /// Returns the number of timed runs of a short program.
     fn runs(self) -> usize {
         match self {
             Self::Whole => 11,
@@ -112,7 +113,7 @@ pub(crate) fn run(task: Task) -> Outcome {
             let last = result::by_row(&targets, &before);
             let mut measured = measure(root, Pace::Whole, before)?;
             measured.before = last;
-            // results that cannot be shown are not stored
+            // the page is made first, so that numbers from which no page can be made are not stored
             let text = page::markdown(&targets, &measured)?;
             measured.write(&record)?;
             write_whole(&page, &text)?;
@@ -173,7 +174,8 @@ pub(crate) fn run(task: Task) -> Outcome {
     Ok(())
 }
 
-/// Prints the most important part of the page.
+/// Prints the number of targets that are met and missed, the missed targets, and the `path` of the
+/// page.
 fn say(page: &str, path: &str) {
     let tally = page.lines().skip_while(|line| !line.starts_with("| "));
     for line in tally.take_while(|line| !line.starts_with("## ")) {
@@ -220,7 +222,7 @@ fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Result<(), Be
         Some(what) => Err(BenchError::Row {
             path: path.to_path_buf(),
             what: what.clone(),
-            reason: "missed, without the reason and what was tried".to_owned(),
+            reason: "missed, but the reason and what was tried are not stated".to_owned(),
         }),
     }
 }
@@ -265,12 +267,12 @@ fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
     }
 }
 
-/// Runs all benchmarks and programs, and the kernels if valgrind is installed; otherwise the counts
-/// of `before` are kept.
+/// Runs all benchmarks and programs, and counts the instructions of the kernels. Without valgrind,
+/// and in a quick run, the counts of `before` are kept.
 fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchError> {
     let machine = machine::machine(pace == Pace::Quick);
     let work = root.join(WORK);
-    eprintln!("programs: build and records");
+    eprintln!("building the programs and writing their records");
     let programs = Programs::prepare(root, &work.join("programs"))?;
     eprintln!("benchmarks");
     let mut benchmarks = Vec::new();

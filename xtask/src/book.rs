@@ -95,7 +95,7 @@ fn build(root: &Path) -> Result<PathBuf, BookError> {
         .arg(&pages)
         .arg("--dest-dir")
         .arg(&book)
-        // this program itself: for the command in book.toml, cargo would first have to build it
+        // replaces the command in book.toml, which would have cargo build this program first
         .env(
             "MDBOOK_PREPROCESSOR__EQUATIONS__COMMAND",
             format!("'{}' book-equations", this.display()),

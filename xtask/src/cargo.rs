@@ -14,8 +14,8 @@ pub(crate) fn cargo() -> Command {
 
 /// Returns the folder in which cargo puts the compiled files of this workspace.
 pub(crate) fn target_folder() -> PathBuf {
-    // a relative path starts from the folder in which cargo was called, which is also that of the
-    // task
+    // a relative path starts from the folder in which cargo was called; the task runs in that
+    // folder
     let named = std::env::var_os("CARGO_TARGET_DIR").map(std::path::absolute);
     match named {
         Some(Ok(folder)) => folder,
@@ -112,7 +112,8 @@ pub(crate) struct Package {
 }
 
 impl Package {
-    /// Returns true if the package runs in the compiler and is not part of the program.
+    /// Returns true for a procedural macro, which runs in the compiler and is not part of the
+    /// program.
     pub(crate) fn is_macro(&self) -> bool {
         self.targets
             .iter()
@@ -159,8 +160,8 @@ pub(crate) struct EdgeKind {
 }
 
 impl Metadata {
-    /// Returns the metadata of the package whose manifest is in `folder`, with the `selection` of
-    /// features and without network access.
+    /// Returns the metadata of the package whose manifest is in `folder`, without network access.
+    /// The `selection` contains the arguments that select features.
     pub(crate) fn of(folder: &Path, selection: &[&str]) -> Result<Self, CargoError> {
         let mut command = cargo();
         command

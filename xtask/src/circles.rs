@@ -1,11 +1,11 @@
-//! Circles, that is, cyclic dependencies between the modules of a crate. A test, run with all
-//! others.
+//! Test for circles, that is, cyclic dependencies between the modules of a crate.
 //!
-//! A file together with the files below it is one module. A circle leads through modules with the
-//! same parent, such as `estimate`, which uses `free_end` and is used by it. An arrow leads to the
-//! file that declares a name, whatever `pub use` makes the name visible. Paths are read if they
-//! begin with `crate`, `self`, `super` or a module below, in `use` and elsewhere. Tests are left
-//! out.
+//! A file together with the files below it is one module. An arrow leads from a module to each
+//! module that it uses. If `pub use` makes a name visible in several modules, the arrow leads to
+//! the module that declares the name. Arrows are compared for modules with the same parent:
+//! `estimate` and `free_end`, for example, form a circle if each uses the other. Paths are read, in
+//! `use` and elsewhere, if they begin with `crate`, `self`, `super` or the name of a submodule.
+//! Tests are omitted.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -14,8 +14,8 @@ use std::path::Path;
 use testbed::generated::workspace_root;
 use testbed::papers::files;
 
-/// Arrows that close the existing circles, by the folder of the modules. Entries may only be
-/// removed from this list.
+/// Arrows of existing circles, without which no circle remains, each with the folder of its
+/// modules. Entries may only be removed from this list.
 const KNOWN: &[&str] = &[
     "crates/impulse/src/hopkinson: result -> finding",
     "crates/impulse/src/hopkinson: shot -> finding",
@@ -46,7 +46,7 @@ type Names = Vec<String>;
 #[derive(Default)]
 struct Module {
     code: String,
-    /// Imported paths, with the name that each has here and true if it is visible elsewhere.
+    /// Imported paths, each with its name in this module, and true for `pub use`.
     imports: Vec<(Names, String, bool)>,
 }
 
@@ -89,7 +89,8 @@ fn word(text: &str, wanted: &str) -> Option<usize> {
     })
 }
 
-/// Calls `found` with each path in the tree of a `use`, and with the name it gets.
+/// Calls `found` with each path in the tree of a `use`, and with the name under which the path is
+/// imported.
 fn leaves(above: &[String], tree: &str, found: &mut impl FnMut(Names, String)) {
     let tree = tree.trim();
     let (head, branches) = tree.split_once('{').unwrap_or((tree, ""));
@@ -128,8 +129,8 @@ fn leaves(above: &[String], tree: &str, found: &mut impl FnMut(Names, String)) {
     }
 }
 
-/// Returns the source without comments and without test items; such an item ends at its own
-/// indentation.
+/// Returns the source without comments and without test items. A test item ends at the next line of
+/// the same indentation that ends in `}` or `;`.
 fn without_tests(source: &str) -> String {
     let mut bare = String::new();
     let mut inside: Option<&str> = None;
@@ -234,8 +235,8 @@ impl Modules {
             .collect()
     }
 
-    /// Returns the arrows between modules with the same parent, by the parent; each arrow has one
-    /// of its causes.
+    /// Returns the arrows between modules with the same parent, by parent; each arrow has a
+    /// sentence that names one of its causes.
     fn arrows(&self) -> BTreeMap<Names, Arrows> {
         let mut arrows: BTreeMap<Names, Arrows> = BTreeMap::new();
         for from in self.0.keys() {
@@ -253,10 +254,11 @@ impl Modules {
     }
 }
 
-/// Arrows from one module to another, with a cause.
+/// Arrows from one module to another, each with a sentence that names its cause.
 type Arrows = BTreeMap<(String, String), String>;
 
-/// Returns the arrows that are part of a circle: a way leads back from their end to their start.
+/// Returns the arrows that are part of a circle: other arrows lead back from their end to their
+/// start.
 fn on_circles(mut arrows: Arrows) -> Arrows {
     let all: Vec<_> = arrows.keys().cloned().collect();
     arrows.retain(|(from, to), _| {
@@ -331,7 +333,8 @@ fn a_circle_is_found_through_what_hides_it() {
         found,
         ["a::inner uses Thing of b", "b uses Renamed of a::inner"]
     );
-    // a module and its part, an unused re-export, a comment and a test do not form circles
+    // no circle: a module and its part, an unused re-export, a name in a comment, and a name in a
+    // test
     let none = of(&[
         (lib, "mod a; mod b;"),
         (

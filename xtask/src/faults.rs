@@ -2,9 +2,10 @@
 //! must fail with each of them.
 //!
 //! `xtask/faults/faults.ron` lists the faults; `xtask/faults/NAME.patch` restores one of them. The
-//! tree, without the files that git ignores, is copied to the folder of compiled files and built in
-//! a separate folder there; only crates that a patch changes are compiled again. A patch that does
-//! not apply, a program that does not compile, and a test that passes or does not exist are errors.
+//! tree, without the files that git ignores, is copied to `faults/tree` in the target folder and
+//! built in `faults/target`, so that only crates that a patch affects are compiled again. A patch
+//! that does not apply, a program that does not compile, and a test that passes or does not exist
+//! are errors.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -79,7 +80,7 @@ enum FaultsError {
 }
 
 /// Restores the faults named in `names`, or all if it is empty, and requires that their tests fail.
-/// With `check`, only requires that each patch applies.
+/// With `check`, only requires that each patch applies and that its tests exist.
 pub(crate) fn run(names: &[String], check: bool) -> Outcome {
     let root = workspace_root();
     let faults = listed(root)?;
@@ -155,7 +156,7 @@ fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
     Ok(faults)
 }
 
-/// Requires that the package contains functions with the names of these tests.
+/// Requires that the package of `seen` contains functions with the names of the tests.
 fn has_tests(root: &Path, seen: &Seen) -> Result<(), FaultsError> {
     let folder = root.join("crates").join(&seen.package);
     let read = |path: &PathBuf| fs::read_to_string(path);
@@ -177,7 +178,7 @@ fn has_tests(root: &Path, seen: &Seen) -> Result<(), FaultsError> {
     Ok(())
 }
 
-/// Creates a call of git in `folder` that does not treat it as part of a repository above it.
+/// Returns a `git` command that runs in `folder` and ignores a repository above this folder.
 fn git(folder: &Path) -> Command {
     let mut git = Command::new("git");
     git.current_dir(folder);
@@ -185,14 +186,14 @@ fn git(folder: &Path) -> Command {
     git
 }
 
-/// Makes `copy` equal to the tree of `root`, without the files that git ignores. An unchanged file
-/// keeps its time and is therefore not compiled again.
+/// Copies the tree of `root` to `copy`, without the files that git ignores. An unchanged file is
+/// not written again, so it keeps its time and is not compiled again.
 fn mirror(root: &Path, copy: &Path) -> Outcome {
     let every = ["--cached", "--others", "--exclude-standard"];
     let files = run_command(git(root).args(["ls-files", "-z"]).args(every))?.output;
     for file in files.split_terminator('\0') {
         let (from, to) = (root.join(file), copy.join(file));
-        // git lists a deleted file until the deletion is committed
+        // git lists a file that is deleted but not yet removed from the index
         let Ok(contents) = fs::read(&from) else {
             let _ = fs::remove_file(&to);
             continue;

@@ -1,8 +1,8 @@
 //! `cargo xtask fixtures`: golden files from the transcribed tables.
 //!
-//! The task reads every table of `fixtures/papers`, converts units and rounding to SI, and writes
-//! one golden file per table. It calls none of our numerical code: a fixture must be independent of
-//! the code that it tests. Each table must be read by a test.
+//! The task reads every table of `fixtures/papers`, converts the values and the half unit of their
+//! last digit to SI, and writes one golden file per table. It calls none of our numerical code: a
+//! fixture must be independent of the code that it tests. Each table must be read by a test.
 
 mod reference;
 
@@ -44,8 +44,8 @@ pub(crate) fn run(check: bool) -> Outcome {
     refuse_orphans(&golden, &expected)?;
     paper_d::load()?;
     let tests = reference::tests(root)?;
-    // the values that the survey repeats are compared with the tables of the papers when they are
-    // read
+    // the table of the survey needs no integration test: a unit test of `testbed` compares it with
+    // paper D, whose values it repeats
     let is_read = |name: &OsString| name == SURVEY || tests.contains(&*name.to_string_lossy());
     if let Some(name) = expected.iter().find(|name| !is_read(name)) {
         return Err(Box::new(FixtureError::NotRead {

@@ -55,7 +55,8 @@ enum Task {
     Faults {
         /// Faults by the names of their patches; all faults if none is named.
         names: Vec<String>,
-        /// Compile nothing; fail if a patch does not apply to the tree.
+        /// Compile nothing; fail if a patch does not apply to the tree, or if a test does not
+        /// exist.
         #[arg(long)]
         check: bool,
     },
@@ -112,16 +113,16 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
-    /// Check the contents of the package of each crate, its manifest, and the oldest Rust that it
-    /// can use.
+    /// Check the contents of the package of each crate, its manifest, and the oldest version of
+    /// Rust that its dependencies allow.
     Package,
     /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md.
     /// The machine must be idle.
     Bench(Measurement),
-    /// Run one kernel once, for callgrind.
+    /// Run one kernel for callgrind.
     #[command(hide = true)]
     BenchKernel { name: String },
-    /// Compute every claim of the software and write it next to the value known from another
+    /// Check every claim of the software, and write its number next to the value known from another
     /// source: docs/validation.md.
     Validate {
         /// Folder of measured records; without it, everything that needs a record is listed as
@@ -135,17 +136,17 @@ enum Task {
     },
 }
 
-/// First call of a preprocessor by mdBook.
+/// First call of a preprocessor by mdBook: the question whether it supports a renderer.
 #[derive(Subcommand)]
 enum Question {
-    /// Report by the exit status whether a renderer is supported.
+    /// Answer by the exit status: 0 if the renderer is supported.
     Supports { renderer: String },
 }
 
 #[derive(clap::Args)]
 struct Measurement {
-    /// Run nothing; fail if docs/performance.md does not agree with the stored numbers, or its
-    /// benchmarks not with the sources.
+    /// Run nothing; fail if docs/performance.md does not agree with the stored numbers, or if the
+    /// measured benchmarks are not those of the sources.
     #[arg(long)]
     check: bool,
     /// Measure for a shorter time and write the page to target/bench.
@@ -158,8 +159,8 @@ struct Measurement {
     /// with those of the page.
     #[arg(long)]
     instructions: bool,
-    /// Count nothing, and report it, if valgrind or the machine and compiler of the reference are
-    /// missing.
+    /// If valgrind is missing, or if machine or compiler are not those of the reference, count
+    /// nothing and report this instead of failing.
     #[arg(long, requires_all = ["check", "instructions"])]
     if_installed: bool,
 }

@@ -2,10 +2,10 @@
 //! `docs/dependencies.md`.
 //!
 //! The program is the README of the crate: its `toml` block is the manifest, its `rust` block is
-//! `main.rs`. The program is a separate workspace, which excludes features and dependencies of
-//! other crates. It uses the versions of our `Cargo.lock` and must compile without warnings, with
-//! and without the features of the crate. The output of cargo is stored next to that of the
-//! workspace: a dependency with the same features is not compiled twice.
+//! `main.rs`. The program is a workspace of its own, so that features and dependencies of other
+//! crates have no effect. It uses the versions of our `Cargo.lock` and must compile without
+//! warnings, with and without the features of the crate. The compiled files are stored in the
+//! target folder of the workspace: a dependency with the same features is not compiled twice.
 
 mod page;
 mod program;
@@ -68,10 +68,11 @@ const NOT_FOR_LIBRARIES: [&str; 12] = [
 /// Dependencies that may be included only by the feature with the same name.
 const BY_FEATURE_ONLY: [&str; 2] = ["rayon", "serde"];
 
-/// Other features that may include one of [`BY_FEATURE_ONLY`]: calamine needs serde.
+/// Other features that may include one of [`BY_FEATURE_ONLY`]: `workbook` includes calamine, which
+/// needs serde.
 const ALSO_BY_FEATURE: [(&str, &str); 1] = [("workbook", "serde")];
 
-/// Dependencies of a library crate, by default and with each of its features.
+/// Dependencies of a library crate, without features and with each of its features.
 #[derive(Debug)]
 struct Alone<'a> {
     library: &'a Library,
@@ -79,7 +80,7 @@ struct Alone<'a> {
     by_feature: Vec<(String, PulledIn)>,
 }
 
-/// Errors of a crate that is used as a dependency.
+/// Error of a crate with dependencies that are not allowed.
 #[derive(Debug, thiserror::Error)]
 enum OutsideError {
     #[error("{0} dependencies are not allowed:\n{1}")]
@@ -105,7 +106,7 @@ pub(crate) fn run(check: bool) -> Outcome {
             program.check_alone(&["--all-features"])?;
         }
         println!(
-            "{}: {} crates linked, {} on some platforms, {} while compiling; its README is a program without warnings",
+            "{}: {} crates linked, {} on some platforms, {} while compiling; the program in its README compiles without warnings",
             library.name,
             by_default.everywhere.len(),
             by_default.somewhere.len(),

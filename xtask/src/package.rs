@@ -1,8 +1,9 @@
 //! `cargo xtask package`: checks the contents of the package of each crate, and the entries of its
 //! manifest that a registry requires.
 //!
-//! Nothing is published. Vendors and distributions use packages. A package also shows which files a
-//! crate needs to be built: it contains no test data, and its sources read nothing outside it.
+//! This project publishes nothing itself, but others may vendor or distribute the packages. A
+//! package also shows which files a crate needs to be built: it contains no test data, and its
+//! sources read no file outside it.
 
 mod oldest;
 
@@ -27,8 +28,8 @@ const FILES: [&str; 8] = [
 
 /// Folders of a package, with the extensions of their files.
 const FOLDERS: [(&str, &[&str]); 4] = [
-    // a report has its template, style and script next to the code; a unit test has its snapshot;
-    // an undecided snapshot ends in `.new`
+    // templates, styles and scripts of reports, and snapshots of unit tests, are next to the code;
+    // a snapshot that is not yet accepted ends in `.new`
     ("src/", &["rs", "html", "css", "js", "snap"]),
     ("benches/", &["rs"]),
     // sheets and records for the command
@@ -36,8 +37,7 @@ const FOLDERS: [(&str, &[&str]); 4] = [
     ("templates/", &["toml", "ron"]),
 ];
 
-/// Largest size of a package \[bytes\]: a registry accepts 10 MB compressed; this limit is close to
-/// the largest of ours.
+/// Largest size of a package, not compressed \[bytes\]; a registry accepts 10 MB compressed.
 const LARGEST: u64 = 4_000_000;
 
 /// Faults of a package.
@@ -173,7 +173,8 @@ fn of_manifest(package: &Package) -> Vec<String> {
     faults
 }
 
-/// Returns wrong licences, sources that read files outside the package, and a size above the limit.
+/// Returns the faults of the contents: wrong licences, sources that read files outside the package,
+/// and a size above the limit.
 fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
     let mut faults = Vec::new();
     for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
@@ -198,7 +199,7 @@ fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
     faults
 }
 
-/// Returns the files outside a package that its `file` includes or reads.
+/// Returns a fault for each line of `file` that includes or reads a file outside the package.
 fn outside(file: &str, text: &str) -> Vec<String> {
     let depth = file.matches('/').count();
     let mut faults = Vec::new();

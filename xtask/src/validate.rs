@@ -3,9 +3,9 @@
 //! The claims are assertions of the integration tests. The tests write a row for each claim to the
 //! folder named by `RODLAB_CLAIMS`. The expected values are independent of ours: the printed tables
 //! of the thesis, closed forms, conservation laws, the output of other software, measured records.
-//! This task runs these tests and combines the rows in the page `docs/validation.md`; all digits
-//! are in `target/validate/claims`. If `RODLAB_CLAIMS` is already set, the rows in its folder are
-//! those of completed tests, and no test is run again.
+//! This task runs these tests and combines the rows in the page `docs/validation.md`; the rows in
+//! `target/validate/claims` have all digits. If `RODLAB_CLAIMS` is already set, the rows in its
+//! folder are those of completed tests, and no test is run again.
 //!
 //! A claim whose record is missing is skipped with a reason, and its row on the page is unchanged.
 //! A failed claim makes the task fail. With `--check`, the page is compared and not written. The
@@ -69,8 +69,8 @@ struct Section {
     report: Claims,
 }
 
-/// Returns the folder with the rows of completed tests. If there are none, runs the tests now and
-/// also returns their exit status.
+/// Returns the folder with the rows of the tests, and the exit status of the tests. If
+/// `RODLAB_CLAIMS` names the rows of completed tests, no test is run and the status is 0.
 fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::error::Error>> {
     if let Some(folder) = env::var_os(FOLDER) {
         return Ok((folder.into(), Some(0)));

@@ -1,5 +1,6 @@
-//! Calls of the tasks by their names. Because this test needs the program, cargo builds the tasks
-//! together with the tests, in one profile; the gate runs them from there.
+//! Test that every task exists that a page or the gate names. Because this test needs the program,
+//! cargo builds the tasks together with the tests, in one profile; the gate runs the tasks from
+//! there.
 #![allow(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use std::collections::BTreeSet;

@@ -1,10 +1,10 @@
-//! Public items as lines for a comparison. Derived implementations take one line per type instead
-//! of ten.
+//! Public items as lines of text that can be compared. The implementations of common traits take
+//! one line per type.
 
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Traits whose methods are not listed when a type implements them.
+/// Common traits, each with the methods that are not listed when a type implements it.
 const PLAIN: [(&str, &[&str]); 14] = [
     ("core::clone::Clone", &["clone"]),
     ("core::cmp::Eq", &[]),
@@ -33,10 +33,10 @@ const AUTOMATIC: [&str; 7] = [
     "core::panic::unwind_safe::UnwindSafe",
 ];
 
-/// Crates whose items are available to everyone.
+/// Crates that every program can use without declaring them as dependencies.
 const STANDARD: [&str; 3] = ["alloc", "core", "std"];
 
-/// Crates that another crate re-exports.
+/// Crates whose items are also available through the second crate, which re-exports them.
 const WITHIN: [(&str, &str); 1] = [("rand_core", "rand")];
 
 /// Public interface of a crate.
@@ -44,21 +44,22 @@ const WITHIN: [(&str, &str); 1] = [("rand_core", "rand")];
 pub(super) struct Listing {
     krate: &'static str,
     lines: Vec<String>,
-    /// Crates whose types occur in signatures.
+    /// Crates of the types that occur in signatures.
     foreign: BTreeSet<String>,
     /// Crates that are re-exported.
     handed_on: BTreeSet<String>,
 }
 
 impl Listing {
-    /// Creates the listing from the items of `krate`. They are in the order of `public-api`, in
-    /// which methods follow their `impl`.
+    /// Creates the listing of `krate`. The `items` are in the order of `public-api`, in which
+    /// methods follow their `impl`.
     pub(super) fn of(krate: &'static str, items: impl Iterator<Item = String>) -> Self {
         let mut lines: Vec<String> = Vec::new();
         let mut foreign = BTreeSet::new();
         let mut handed_on = BTreeSet::new();
         let mut hidden: &[&str] = &[];
-        // the line that collects the plain traits of a type
+        // type whose common traits are being collected, and the index of the line that collects
+        // them
         let mut plain: Option<(String, usize)> = None;
         for item in items {
             if let Some(re_export) = item.strip_prefix(&format!("pub use {krate}::"))
@@ -117,7 +118,7 @@ impl Listing {
         self.lines.len()
     }
 
-    /// Returns the crates whose types occur in signatures and that are not re-exported.
+    /// Returns a fault for each crate whose types occur in signatures and that is not re-exported.
     pub(super) fn not_nameable(&self) -> Vec<String> {
         self.foreign
             .iter()
@@ -126,7 +127,8 @@ impl Listing {
                     .iter()
                     .find(|(inner, _)| inner == name)
                     .map_or(name.as_str(), |(_, roof)| roof);
-                // serde is behind a feature of that name; users who enable it have the crate
+                // signatures with serde require the feature `serde`; a program that enables it
+                // depends on serde
                 roof != "serde" && roof != "serde_core" && !self.handed_on.contains(roof)
             })
             .map(|name| {
@@ -154,15 +156,15 @@ impl fmt::Display for Listing {
         )?;
         writeln!(
             f,
-            "# Plain traits of a type take one line; automatic traits such as Send and Sync are listed only if a type lacks them."
+            "# Implementations of traits such as Clone and Debug take one line per type; automatic traits such as Send and Sync are listed only if a type lacks them."
         )?;
         writeln!(f, "# Other crates in signatures: {}.", foreign.join(", "))?;
         self.lines.iter().try_for_each(|line| writeln!(f, "{line}"))
     }
 }
 
-/// Returns generics, trait and type of an item that begins the implementation of a trait; `None`
-/// for a negative implementation.
+/// Returns generics, trait and type of an item that begins the implementation of a trait. The name
+/// of the trait begins with `!` if the type is stated not to implement it.
 fn implementation(item: &str) -> Option<(&str, &str, &str)> {
     let rest = item.strip_prefix("impl")?;
     let generics = if rest.starts_with('<') {
@@ -184,12 +186,12 @@ fn implementation(item: &str) -> Option<(&str, &str, &str)> {
     Some((generics, name, of))
 }
 
-/// Returns the name of the function in a line.
+/// Returns the name of the method in a line.
 fn method(item: &str) -> Option<&str> {
     let (path, _) = item
         .strip_prefix("pub fn ")?
         .split_once(['(', '<'].as_slice())?;
-    // the path of a type with generics continues after them
+    // if the type has generics, the path continues after them
     let path = if item.contains(">::") {
         item.split_once(">::")?.1.split(['(', '<']).next()?
     } else {

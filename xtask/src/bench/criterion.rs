@@ -45,8 +45,8 @@ pub(super) fn programs(root: &Path) -> Result<Vec<BenchProgram>, BenchError> {
     Ok(programs)
 }
 
-/// Builds and runs one benchmark program at `pace`. Criterion writes to `home`, which is emptied
-/// before.
+/// Builds and runs one benchmark program at `pace`. Criterion writes to a folder below `home`,
+/// which is emptied first.
 pub(super) fn run(
     root: &Path,
     program: &BenchProgram,
@@ -74,7 +74,6 @@ pub(super) fn run(
         reason: source.to_string(),
     })?;
     if !output.status.success() {
-        // messages of the compiler or of the benchmark
         let said = String::from_utf8_lossy(&output.stderr);
         let error = said
             .lines()

@@ -1,4 +1,4 @@
-//! Errors of the page on performance.
+//! Errors of the benchmarks and of their page.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ pub(super) enum BenchError {
         what: String,
         reason: String,
     },
-    /// A row has no measurement: its claim would have no evidence.
+    /// Rows of the page have no measurement.
     #[error("{} rows have no measurement: {}", rows.len(), rows.join("; "))]
     NotMeasured { rows: Vec<String> },
     #[error(
@@ -33,7 +33,7 @@ pub(super) enum BenchError {
     },
     #[error("`{command}`: {reason}")]
     Command { command: String, reason: String },
-    #[error("instructions of {} kernels rose by more than {limit:.0} %: {}", kernels.len(), kernels.join("; "))]
+    #[error("the instruction counts of {} kernels rose by more than {limit:.0} %: {}", kernels.len(), kernels.join("; "))]
     MoreInstructions { limit: f64, kernels: Vec<String> },
     #[error("times of an unoptimised build are meaningless: call `cargo xtask bench`")]
     Unoptimised,

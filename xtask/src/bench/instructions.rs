@@ -63,12 +63,12 @@ pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
     let compiler = machine::compiler();
     if machine_of(&here) != machine_of(&reference.counted_by) {
         Some(format!(
-            "the reference was counted by {}, expected {here} of this machine",
+            "the reference was counted by {}, but this machine has {here}",
             reference.counted_by
         ))
     } else if compiler != reference.compiler {
         Some(format!(
-            "the reference was compiled by {}, expected {compiler} of this machine",
+            "the reference was compiled by {}, but this machine has {compiler}",
             reference.compiler
         ))
     } else {
@@ -148,8 +148,8 @@ fn collected(said: &str) -> Option<u64> {
     count.split_whitespace().next()?.parse().ok()
 }
 
-/// Fails if a kernel takes more instructions than its reference, beyond the tolerance. Other
-/// changes are reported.
+/// Fails if the count of a kernel exceeds its reference by more than the tolerance. Returns a line
+/// of text for each other kernel whose count differs from its reference.
 pub(super) fn compare(
     reference: &Instructions,
     found: &Instructions,

@@ -1,11 +1,11 @@
-//! Hottest kernels, as calls that callgrind can count. Each kernel is prepared first; only its run
-//! is counted.
+//! Hottest kernels, as calls whose instructions callgrind counts. Each kernel is prepared, and
+//! called once, before the counted call.
 //!
-//! A kernel is the loop in which a job of the libraries spends most of its time, called through the
+//! A kernel is a loop in which a job of the libraries spends most of its time, called through the
 //! public function that a program uses. According to profiles of whole programs (`perf record`),
-//! the most expensive loops are: the order of a Prony series in `rodlab modulus` with laws;
-//! histories between samples and then the marches in `rodlab identify`; the mobilities of chains in
-//! `rodlab force`.
+//! the most expensive loops are: in `rodlab modulus` with laws, the choice of the order of a Prony
+//! series; in `rodlab identify`, the interpolation of histories, followed by the march in time; in
+//! `rodlab force`, the mobilities of chains.
 
 mod modulus;
 mod records;
@@ -43,7 +43,7 @@ pub(super) const KERNELS: [Kernel; 9] = [
     modulus::PRONY_ORDER,
 ];
 
-/// Prepares the kernel `name` and runs it once.
+/// Prepares the kernel `name` and calls it twice; callgrind counts the second call.
 pub(crate) fn run(name: &str) -> Outcome {
     let Some(kernel) = KERNELS.iter().find(|kernel| kernel.name == name) else {
         return Err(Box::new(BenchError::NoKernel {
@@ -52,18 +52,18 @@ pub(crate) fn run(name: &str) -> Outcome {
         }));
     };
     let mut prepared = (kernel.prepare)()?;
-    // plans and allocations of the first call are not counted
+    // the plans and allocations of the first call are not counted
     prepared()?;
     collected_by_callgrind(&mut prepared)
 }
 
-/// Runs the kernel. Callgrind finds this function by its name and collects while it runs.
+/// Calls the kernel. Callgrind finds this function by its name and counts while it runs.
 #[inline(never)]
 fn collected_by_callgrind(prepared: &mut Prepared) -> Outcome {
     prepared()
 }
 
-/// Returns irregular numbers between -1/2 and 1/2, from a linear congruential generator.
+/// Returns the next number of a linear congruential generator, between -1/2 and 1/2.
 pub(super) fn noise(state: &mut u64) -> f64 {
     *state = state
         .wrapping_mul(6_364_136_223_846_793_005)

@@ -1,5 +1,5 @@
-//! Whole programs, timed from outside: the command, its campaigns, the reproductions, a long
-//! stream.
+//! Whole programs, timed from outside: the command, its campaigns, the reproductions of the papers,
+//! and the spectra of a long stream.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::{Pace, criterion};
 
 /// Programs that take a minute or more; a quick run keeps their earlier measurements.
 const LONG: [&str; 3] = [LONG_HITS, FORCES, MANY_MODULI];
-/// Number of samples per channel of the long records.
+/// Number of samples per channel: of the stream, and of a long hit.
 const STREAMED: &str = "100000000";
 const LONG_HIT: usize = 10_000_000;
 
@@ -118,7 +118,7 @@ impl Programs {
             }
             eprintln!("  {name}");
             timed.push(timed_runs(name, runs, command)?);
-            // up to a thousand reports are deleted; no run finds files of another run
+            // the next program must not find these files, which may be a thousand reports
             if results.exists() {
                 fs::remove_dir_all(&results).map_err(BenchError::at(&results))?;
             }
@@ -189,8 +189,8 @@ impl Programs {
         command
     }
 
-    /// Writes ten hits with two channels of 65 536 samples, by the plan of the example with more
-    /// and longer records.
+    /// Writes ten hits with two channels of 65 536 samples: the plan of the example, with more and
+    /// longer records.
     fn ten_hits(&self) -> Result<(), BenchError> {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("ten-hits");
@@ -213,8 +213,8 @@ impl Programs {
         ]))
     }
 
-    /// Writes two hits of the example, each extended to ten million samples by noise of a millionth
-    /// of its largest sample.
+    /// Writes two hits of the example, each channel extended to ten million samples by noise of a
+    /// millionth of its largest sample.
     fn long_hits(&self) -> Result<(), BenchError> {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("long");
@@ -225,7 +225,7 @@ impl Programs {
             let bytes = fs::read(&path).map_err(BenchError::at(&path))?;
             let long = continued(&bytes, LONG_HIT).ok_or_else(|| BenchError::Json {
                 path: example.join(name),
-                reason: "not two rows of doubles behind a header of 128 bytes".to_owned(),
+                reason: "expected two rows of doubles after a header of 128 bytes".to_owned(),
             })?;
             let path = folder.join(name);
             fs::write(&path, long).map_err(BenchError::at(&path))?;
@@ -233,8 +233,8 @@ impl Programs {
         Ok(())
     }
 
-    /// Writes folders of sheets: forces at a thousand velocities, and a hundred moduli from the
-    /// records of the example, with and without laws.
+    /// Writes folders of sheets: forces at a thousand velocities; and moduli from the records of
+    /// the example, a hundred with laws, a hundred and a thousand without laws.
     fn campaigns(&self) -> Result<(), BenchError> {
         let examples = self.root.join("crates/rodlab/examples");
         for number in 0..1000 {
@@ -312,8 +312,8 @@ fn without_laws(sheet: &str) -> String {
     kept
 }
 
-/// Returns the text of an example after the replacements that make it longer. If the example does
-/// not contain a text to be replaced, this is an error.
+/// Returns the text of an example after the `replacements`. A replaced text that the example does
+/// not contain is an error.
 fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchError> {
     let mut text = fs::read_to_string(path).map_err(BenchError::at(path))?;
     for (from, to) in replacements {
@@ -377,8 +377,8 @@ fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
     })
 }
 
-/// Returns the largest memory of a running process, as Linux records it; a program that ends within
-/// a millisecond may be missed.
+/// Returns the largest resident memory that a running process has had, as Linux records it. A
+/// program that ends within a millisecond may be missed.
 fn peak_memory(process: u32) -> Option<u64> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -386,8 +386,8 @@ fn peak_memory(process: u32) -> Option<u64> {
     Some(1024 * kilobytes)
 }
 
-/// Returns the median and the extremes of `runs` runs. If there is more than one, a first run is
-/// not counted.
+/// Returns the median and the extremes of `runs` runs. If `runs` is more than 1, an additional
+/// first run is not timed.
 fn timed_runs(
     name: &str,
     runs: usize,

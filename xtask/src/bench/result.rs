@@ -12,7 +12,8 @@ pub(super) struct RowResult {
     /// Spread relative to the median: the median absolute deviation of a benchmark, half the range
     /// of a program with several runs.
     pub(super) spread: Option<f64>,
-    /// Result as a fraction of the allowed value; above 1, the target is missed.
+    /// Fraction of the allowed value that the result uses (for rates, allowed value over result);
+    /// above 1, the target is missed.
     pub(super) used: f64,
     /// Baseline in the unit of the row.
     pub(super) baseline: Option<f64>,

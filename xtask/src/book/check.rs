@@ -221,7 +221,7 @@ impl<'a> Book<'a> {
         }
         match (anchor, self.pages.get(&file)) {
             (None, _) => Ok(()),
-            // the anchor is a line of a source file
+            // an anchor in a source file is the number of a line, which is not checked
             (Some(_), None) if file.extension().is_some_and(|extension| extension != "md") => {
                 Ok(())
             }
@@ -235,8 +235,8 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// Checks the last sections of every page, and the names in two of them. Returns the number of
-    /// names.
+    /// Checks the last sections of a page on theory, and the names in two of these sections.
+    /// Returns the number of names.
     fn check_last_sections(&self, page: &Page, fault: &mut impl FnMut(usize, String)) -> usize {
         let sections: Vec<_> = page.headings.iter().filter(|h| h.level == 2).collect();
         let last = &sections[sections.len().saturating_sub(LAST_SECTIONS.len())..];
@@ -318,7 +318,8 @@ impl<'a> Book<'a> {
     }
 
     /// Checks that every page named in the source code exists, that the source code names every
-    /// page on theory, and that the front page of every crate named in such a page names one.
+    /// page on theory, and that `lib.rs` of every crate whose code a page on theory names has a
+    /// line on its theory. Returns the number of pages named in the source code.
     fn check_mentions(&self, faults: &mut Vec<Fault>) -> usize {
         let mut named = 0;
         let with_theory = self.crates_in_the_pages();

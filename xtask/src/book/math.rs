@@ -16,7 +16,7 @@ pub(super) enum MathError {
     Tex { tex: String, reason: String },
     #[error("\\tag without a closing brace in `{tex}`")]
     OpenTag { tex: String },
-    #[error("`{tex}` has \\tag in an inline formula, where a number has no place")]
+    #[error("`{tex}` has \\tag, but an inline formula cannot have a number")]
     InlineTag { tex: String },
 }
 
@@ -124,9 +124,9 @@ fn joined_primes(tex: &str) -> String {
     tex.replace("'''", "\\trprime ").replace("''", "\\dprime ")
 }
 
-/// Corrects MathML that browsers render differently from TeX: strokes with space around them, text
-/// without its spaces, µ (the prefix) in place of the letter μ, bars that are no longer than a
-/// letter.
+/// Corrects MathML that browsers render differently from TeX: space around vertical bars and
+/// slashes, text without its spaces, µ (the prefix) in place of the letter μ, overbars that are no
+/// longer than a letter.
 fn set_as_in_tex(html: &str) -> String {
     const BLANK: &str = "\u{a0}"; // the character itself, because mdBook takes its name for text
     let mut html = html
@@ -146,8 +146,8 @@ fn set_as_in_tex(html: &str) -> String {
     with_bars(html)
 }
 
-/// Replaces bars above a formula by a border. A border has the length of its content; in most
-/// fonts, a character does not.
+/// Replaces bars above a formula by a border, which is as long as its content. In most fonts, the
+/// character for a bar is not stretched.
 fn with_bars(mut html: String) -> String {
     const BAR: &str = "<mi>‾</mi></mover>";
     const OPEN: &str = "<mover>";

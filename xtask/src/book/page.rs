@@ -200,8 +200,8 @@ impl Page {
         }
     }
 
-    /// Checks formulas for bars. In a table, Git hosts take a bar for a border even within code,
-    /// which breaks the formula.
+    /// Checks the formulas in a row of a table for bars. Git hosts take a bar in a table for the
+    /// border of a cell, even within code.
     fn check_row(&mut self, row: &str, line: usize) {
         let mut rest = row;
         while let Some((_, behind)) = rest.split_once("$`") {

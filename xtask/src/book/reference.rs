@@ -44,7 +44,9 @@ pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
             if glued {
                 faults.push((
                     prose.line,
-                    format!("({inner}): an equation of a paper is written with a blank, as (E 8)"),
+                    format!(
+                        "({inner}): expected a blank between the paper and the number, as in (E 8)"
+                    ),
                 ));
             } else if begins_as_reference && !inner.contains(|c: char| c.is_ascii_lowercase()) {
                 if let Err(fault) = of_a_paper(inner) {
@@ -96,7 +98,7 @@ fn parenthesised(text: &str) -> Vec<&str> {
 fn of_a_paper(reference: &str) -> Result<(), String> {
     let wrong = |why: &str| {
         Err(format!(
-            "`{reference}` {why}; expected a letter and numbers, as `E 8, A3-A4`"
+            "`{reference}` {why}; expected a letter and numbers, as in `E 8, A3-A4`"
         ))
     };
     let mut paper = None;
@@ -124,21 +126,21 @@ fn of_a_paper(reference: &str) -> Result<(), String> {
                         "`{reference}`: the numbers of paper {letter} end at {last}, those of its appendix at {last_of_appendix}; found {end}"
                     ));
                 }
-                Err(_) => return wrong("is not of the form"),
+                Err(_) => return wrong("has a part that is not a number"),
             }
         }
     }
     Ok(())
 }
 
-/// Returns the abbreviations of "equation" that differ from `eq. 5` and `eqs. 5-7`.
+/// Returns a fault for each abbreviation of "equation" that differs from `eq. 5` and `eqs. 5-7`.
 fn in_words(text: &str) -> Vec<String> {
     let mut faults = Vec::new();
     for other in [
         "Eq.", "Eqs.", "eqn", "Eqn", "eq.(", "eq. (", "eqs. (", "eqs.(",
     ] {
         if text.contains(other) {
-            faults.push(format!("`{other}`: written `eq. 5` or `eqs. 5-7`"));
+            faults.push(format!("`{other}`: expected `eq. 5` or `eqs. 5-7`"));
         }
     }
     for (at, abbreviation) in text.match_indices("eq. ") {
@@ -147,9 +149,7 @@ fn in_words(text: &str) -> Vec<String> {
             .take_while(|c| c.is_ascii_digit() || matches!(c, 'A' | '-'))
             .collect();
         if number.contains('-') {
-            faults.push(format!(
-                "`eq. {number}`: several equations are `eqs. {number}`"
-            ));
+            faults.push(format!("`eq. {number}`: expected `eqs. {number}`"));
         }
     }
     faults

@@ -62,7 +62,7 @@ pub(crate) fn run() -> Outcome {
             changed += 1;
         }
     }
-    println!("{changed} pages of {} set", folder.display());
+    println!("{changed} pages of {} rewritten", folder.display());
     Ok(())
 }
 
@@ -76,7 +76,7 @@ fn style(root: &Path) -> Result<String, BookError> {
 }
 
 /// Returns a page with its equations converted and with links to the pages of `book`. The page is
-/// `depth` folders below the folder that also contains the book.
+/// `depth` folders below the folder that also contains `book`.
 fn set(html: &str, depth: usize, book: &Path) -> Result<String, String> {
     let fences = replaced(html, FENCE, |tex| equation(tex, true))?;
     let formulas = replaced(&fences, INLINE, |tex| equation(tex, false))?;
@@ -117,8 +117,8 @@ fn equation(tex: &str, display: bool) -> Result<Option<String>, String> {
         .map_err(|error| error.to_string())
 }
 
-/// Replaces the text between the pairs of `marks`, including the marks, unless `by` returns `None`
-/// for it.
+/// Replaces each text between the marks `open` and `close`, including the marks, by the result of
+/// `by`. A text for which `by` returns `None` is unchanged.
 fn replaced(
     html: &str,
     (open, close): (&str, &str),

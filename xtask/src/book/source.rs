@@ -18,7 +18,7 @@ pub(super) struct Crate {
     pub(super) equations: Vec<(PathBuf, Equation)>,
     /// Doc comments that open with a clause, with their lines.
     pub(super) clauses: Vec<(PathBuf, usize, String)>,
-    /// True if the page of the crate itself names its page on theory.
+    /// True if `src/lib.rs` has a line that names its page on theory.
     pub(super) front_page_has_theory: bool,
 }
 
@@ -135,8 +135,8 @@ impl Crate {
     }
 }
 
-/// Returns the segments of `code` that no source file defines. `code` must begin with the name of a
-/// crate; otherwise `None`.
+/// Returns the segments of the path `code` that no source file of its crate defines; `None` if
+/// `code` does not begin with the name of a crate.
 pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a str>> {
     let (name, rest) = code.split_once("::").unwrap_or((code, ""));
     let of = crates.iter().find(|one| one.name == name)?;
@@ -161,7 +161,7 @@ fn comments_of(text: &str) -> String {
     markdown
 }
 
-/// Returns every `docs/….md` in the line, with its anchor.
+/// Returns every page `docs/….md` that the line names, with its anchor.
 fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
     let mut found = Vec::new();
     for (at, _) in line.match_indices("docs/") {

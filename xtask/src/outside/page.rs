@@ -86,7 +86,7 @@ fn row(page: &mut String, name: &str, pulled_in: &PulledIn) {
     );
 }
 
-/// Returns the default dependencies that a manifest declares.
+/// Returns the dependencies of a manifest that are not optional.
 fn declared(package: &Package) -> Vec<&str> {
     let names: BTreeSet<&str> = package
         .dependencies

@@ -1,4 +1,5 @@
-//! Program outside the workspace: from the README of a crate to a folder that cargo can check.
+//! Program outside the workspace, made from the README of a crate, in a folder that cargo can
+//! check.
 
 use std::fs;
 use std::io;
@@ -50,7 +51,8 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// Writes the program for `krate` below `target`, with the versions of our `Cargo.lock`.
+    /// Writes the program for `krate` below the target folder, with the versions of our
+    /// `Cargo.lock`.
     pub(crate) fn write(
         root: &Path,
         krate: &str,
@@ -113,7 +115,7 @@ impl Program {
         format!("outside-{}", self.krate)
     }
 
-    /// Returns the dependencies of the crate by default, and with each of its features.
+    /// Returns the dependencies of the crate without features, and with each feature alone.
     pub(crate) fn pulled_in(&self) -> Result<(PulledIn, Vec<(String, PulledIn)>), ProgramError> {
         let with = |selection: &[&str]| {
             Metadata::of(&self.folder, selection).map(|graph| PulledIn::of(&self.krate, &graph))
@@ -141,8 +143,8 @@ impl Program {
         Ok(())
     }
 
-    /// Creates a call of cargo in the folder of the program. By default, the program enables all
-    /// features of the crate.
+    /// Returns a `cargo` command that runs in the folder of the program. The default features of
+    /// the program enable all features of the crate.
     pub(crate) fn call(&self, verb: &str) -> Command {
         let mut command = cargo();
         command
@@ -153,8 +155,8 @@ impl Program {
     }
 }
 
-/// Returns the manifest of the program; `None` unless the block of the README declares the crate
-/// alone, at its place in a clone.
+/// Returns the manifest of the program; `None` unless the dependency that the README declares is
+/// the crate alone, with its path in a clone.
 fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Option<String> {
     let clone = format!("\"{CLONE}{krate}\"");
     let lines: Vec<&str> = declared
@@ -222,8 +224,8 @@ fn locked(lock: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Writes a file only if its contents have changed: cargo does not compile a file again that is
-/// older than its output.
+/// Writes a file only if its contents have changed: cargo compiles only files that are newer than
+/// its output.
 fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
     if fs::read_to_string(path).is_ok_and(|found| found == contents) {
         return Ok(());

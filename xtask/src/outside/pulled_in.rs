@@ -82,8 +82,8 @@ impl Metadata {
     }
 }
 
-/// Returns the packages below `top`, along the edges that `follows` accepts. Macros and their
-/// dependencies are included only `with_macros`.
+/// Returns the packages below `top`, along the edges that `follows` accepts; macros and their
+/// dependencies are left out unless `with_macros` is set.
 fn reached<'a>(
     graph: &'a Metadata,
     top: &'a str,

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 
 use crate::cargo::{Metadata, Package};
 
-/// Returns the stated versions as text, and the packages below `crates` that require a newer Rust.
+/// Returns a sentence on the versions that the dependencies of `crates` state, and a fault for each
+/// dependency that requires a newer Rust.
 pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<String>) {
     let mut found: BTreeSet<&str> = BTreeSet::new();
     let mut open: Vec<&str> = crates.iter().map(|package| package.id.as_str()).collect();

@@ -1,7 +1,7 @@
 //! `cargo xtask reproduce-paper-a`: Table 1, Tests 1 to 10 (Figures 3 and 4), temperatures (Figures
 //! 5 and 6), roots, series, linearity.
 //!
-//! (Ödeen 1993, paper A, Figure 6).
+//! The values at 1 kHz are shown over temperature as in (Ödeen 1993, paper A, Figure 6).
 
 mod branches;
 mod figure;
@@ -148,10 +148,10 @@ fn introduction(paper: &PaperA) -> String {
          **All tests are virtual**: specimens, accelerometers, number of tests and swing angles are those of the paper. Assumed here are the materials, \
          with loss factors that do not depend on frequency and the corresponding causal moduli (polypropylene {}, polyamide 6 {}, the level of \
          paper E, eq. 7), the force of a hit (a raised cosine of {} N and {:.0} µs), the analyser ({:.1} kHz, {} bits, filter) and its noise ({} of \
-         the greatest acceleration on a sample). The dependence on temperature is assumed, not measured: from 20 °C on, E' falls by a factor e in \
-         {:.0} K, and the loss factor grows by {} per K. As in the paper, changes of dimensions and density with temperature are neglected.\n\n\
+         the greatest acceleration on a sample). The dependence on temperature is assumed, not measured: from 20 °C on, E' decreases by a factor of e (2.718) \
+         every {:.0} K, and the loss factor grows by {} per K. As in the paper, changes of dimensions and density with temperature are neglected.\n\n\
          Errata applied: the layout of Table 1 is lost in print and is restored from eq. 3; eq. 5 started from γ_0 L converges to wrong roots, \
-         so the root is followed from μ = 0; the largest diameter is 18.8 mm (Table 2), not 21 mm. Ψ is estimated by H_1 from ten tests, as in \
+         so the root is continued from μ = 0; the largest diameter is 18.8 mm (Table 2), not 21 mm. Ψ is estimated by H_1 from ten tests, as in \
          section 3; the limit of {} Hz is that of the paper.\n",
         law(testbed::papers::paper_a::POLYPROPYLENE),
         law(testbed::papers::paper_a::POLYAMIDE),
@@ -265,7 +265,7 @@ fn conclusion(
         ));
     }
     sentences.push(
-        "The paper found that the two methods disagree on E'' of polyamide 6; their equations do not explain this.".into(),
+        "The paper found that the two methods disagree on E'' of polyamide 6; the equations of the methods are not the cause.".into(),
     );
     let at = |one: &temperature::Heated| {
         let row = &one.row;

@@ -1,7 +1,7 @@
 //! `cargo xtask reproduce-paper-b`: Table 1, Figures 2 and 4, independence of the ends, and the
 //! effect of the gauge distance.
 //!
-//! (Ödeen 1993, paper B, Figures 2 and 4).
+//! The figures are drawn as in (Ödeen 1993, paper B, Figures 2 and 4).
 
 mod branches;
 mod estimates;

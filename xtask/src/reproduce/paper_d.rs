@@ -82,7 +82,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     })
 }
 
-/// Computed results, in the order of the tables, whatever the number of threads is.
+/// Computed results, in the order of the tables for any number of threads.
 #[derive(Debug, Default)]
 struct Computed {
     rows: Vec<Row>,
@@ -104,7 +104,7 @@ fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<Computed, Error> {
         Material(Material),
         Appendix(Row),
     }
-    // the longest jobs start first, so that the last to end are short
+    // the longest jobs start first, so that no long job runs alone at the end
     let jobs: Vec<Job> = (flat_loss::jobs(paper).into_iter().map(Job::FlatLoss))
         .chain(choice::jobs(paper).into_iter().map(Job::Choice))
         .chain(materials::jobs(paper).into_iter().map(Job::Material))

@@ -1,7 +1,7 @@
 //! `cargo xtask reproduce-paper-e`: mobilities and impulse responses of the four faces, Figures 5
 //! and 6, and the balances of the impacts.
 //!
-//! (Ödeen 1993, paper E, Figures 2, 3, 5 and 6).
+//! The figures are drawn as in (Ödeen 1993, paper E, Figures 2, 3, 5 and 6).
 
 mod figure;
 mod forces;
@@ -277,7 +277,7 @@ fn conclusion(forces: &[Forces]) -> Vec<String> {
             .fold(0.0, f64::max)
     };
     sentences.push(format!(
-        "Figures 5 and 6: from {:.1} ms after the start of the contact to its end, the root mean square difference from the gauges is at most {} % of the \
+        "Figures 5 and 6: from {:.1} ms after the start of the contact to 95 % of its duration, the root mean square difference from the gauges is at most {} % of the \
          peak for (I), {} % for (II) with eq. 7 on its lines, and {} % for (II) marched with the law of the virtual bodies. On the lines of the paper, both \
          have a coarse resolution in time, 56 and 49 µs per sample.",
         0.1,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Headings with their units, and rows of cells in the form in which they are shown.
+/// Headings with their units, and rows of cells as displayed text.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Table {
     headings: Vec<String>,

@@ -35,7 +35,7 @@ pub(crate) struct Citation {
 }
 
 impl Citation {
-    /// Returns the fault of a citation of an item that does not exist in the thesis.
+    /// Returns the fault that the thesis does not contain the cited item.
     pub(crate) fn fault(&self) -> Fault {
         Fault::Citation {
             file: self.file.clone(),
@@ -79,7 +79,7 @@ pub(crate) fn of_text(file: &str, text: &str) -> Vec<Citation> {
         .flat_map(|(line, number)| {
             without_comment_mark(line)
                 .split_whitespace()
-                // a string that continues on the next line
+                // the backslash of a string that continues on the next line
                 .filter(|word| *word != "\\")
                 .map(move |text| Word { text, line: number })
         })
@@ -156,7 +156,7 @@ fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let Some(("of", rest)) = rest.split_first().map(|(word, rest)| (word.text, rest)) else {
         return Vec::new();
     };
-    // `of the survey`
+    // skips `the` in `of the survey`
     let rest = match rest.split_first() {
         Some((word, rest)) if word.text == "the" => rest,
         _ => rest,

@@ -1,5 +1,5 @@
-//! Faults of the tracing: an item of the thesis without code or proof, or a citation of an item that
-//! does not exist, with its file and line.
+//! Faults of traceability: an item of the thesis without code or proof, or a citation of an item
+//! that does not exist, with its file and line.
 
 use std::fmt;
 

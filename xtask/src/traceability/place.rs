@@ -14,7 +14,8 @@ pub(crate) enum Role {
 pub(crate) struct Place {
     pub(crate) role: Role,
     pub(crate) file: String,
-    /// `Type::method` or `function`; the name of the module if its own documentation cites.
+    /// `Type::method` or `function`; the name of the module if the citation is in the documentation
+    /// of the module.
     pub(crate) item: String,
 }
 

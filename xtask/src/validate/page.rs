@@ -11,8 +11,8 @@ const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | 
 /// Tolerated change of the used part of a tolerance, in points of percent.
 const USED: f64 = 25.0;
 
-/// Limit below which a difference from zero is only rounding; its order of magnitude alone is
-/// shown.
+/// Limit below which a difference from an expected 0 counts as rounding, and is shown with one
+/// digit.
 const ROUNDING: f64 = 1e-8;
 
 /// Check, as the cells of its row.

@@ -1,4 +1,5 @@
-//! Two-point method with its branches, and a Prony series whose order is chosen.
+//! Kernels of the modulus: the two-point method with its branches, and a Prony series whose order
+//! is chosen.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -70,7 +71,7 @@ pub(super) const PRONY_ORDER: Kernel = Kernel {
                 let frequency_hz = 10_f64.powf(f64::from(j) / 12.0);
                 let modulus = law.at(TAU * frequency_hz);
                 let sigma = 0.01 * modulus.norm();
-                // noise of unit variance in each part
+                // noise of unit variance in the real and in the imaginary part
                 let error = Complex64::new(noise(&mut state), noise(&mut state)) * 12_f64.sqrt();
                 ModulusPoint::circular(frequency_hz, modulus + sigma * error, sigma)
             })

@@ -1,4 +1,4 @@
-//! Spectra of hits, and a universal file.
+//! Kernels of records: averaged spectra of hits, and the reading of a universal file.
 
 use std::hint::black_box;
 
@@ -34,8 +34,8 @@ pub(super) const SPECTRA_OF_HITS: Kernel = Kernel {
     },
 };
 
-/// Returns a hit: noise as the input, and the same noise, filtered and with its own noise, as the
-/// output.
+/// Returns a hit whose input is noise. Its output is the input after a low-pass filter, with
+/// additional noise.
 fn hit(n_samples: usize, state: &mut u64) -> Result<Record, labio::LabioError> {
     let mut samples = Array2::zeros((2, n_samples));
     let mut output = 0.0;

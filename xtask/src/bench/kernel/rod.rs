@@ -1,4 +1,5 @@
-//! Marches, derivatives, chains and contact.
+//! Kernels of rods: a march in time, a response with its derivatives, the interpolation of a
+//! history, the mobility of a chain, and a contact.
 
 use std::hint::black_box;
 

@@ -1,8 +1,9 @@
-//! Deliberate faults in a small repository, each reported at its place.
+//! Deliberate faults in a small repository, each of which must be found.
 
 use super::*;
 
-/// Checks a small correct repository, with `change` made to one of its files.
+/// Returns the faults of a small correct repository after a `change`: the file, a text in it, and
+/// the text that replaces it.
 fn faults_with(change: Option<(&str, &str, &str)>) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let theory = "# Rods\n\nAs (A 1), see [there](../conventions.md#signs).\n\n## Validity\n\n## When not to trust it\n\n\

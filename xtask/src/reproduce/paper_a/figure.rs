@@ -58,8 +58,8 @@ fn panels(marks: Vec<[Mark; 2]>) -> Vec<Panel> {
     ]
 }
 
-/// Draws a panel of Figure 3, or Figure 4: all lengths of one diameter, with the results of the
-/// pulse method if it was used.
+/// Draws Figure 4 or one of the parts of Figure 3: all lengths of one diameter, with the results of
+/// the pulse method if it was used.
 pub(crate) fn room_temperature(
     name: &str,
     title: &str,

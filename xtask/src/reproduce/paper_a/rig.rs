@@ -42,7 +42,8 @@ impl VirtualTest {
             length: specimen.length,
             accelerometer_mass: specimen.accelerometer_mass,
         };
-        // the vibration decays by e^-14 in 30 ms for a length of 400 mm, in 60 ms for 800 mm
+        // the vibration decays to e^-14 within the record: in 30 ms for a length of 400 mm, in 60
+        // ms for 800 mm
         let n_samples = if specimen.length < 0.5 { 2048 } else { 4096 };
         let ends = end_accelerations(&medium, &rig, n_samples)?;
         Ok(Self {
@@ -54,9 +55,9 @@ impl VirtualTest {
         })
     }
 
-    /// Returns Ψ of the tests of the paper (H₁ of section 3) for hits of this strength, relative to
-    /// that of the usual swing angle. The noise is that of the sensors; the range of the converter
-    /// is adapted to the hit.
+    /// Returns Ψ, estimated by H₁ from as many hits as in the paper (section 3). `strength` is the
+    /// strength of the hits relative to that at the usual swing angle. The noise of the sensors is
+    /// the same for every strength; the range of the converter is set for this strength.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

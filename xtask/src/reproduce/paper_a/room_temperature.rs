@@ -15,7 +15,7 @@ use super::super::{Error, Table};
 use super::rig::{SEED, VirtualTest};
 use testbed::papers::paper_a::PaperA;
 
-/// Distance above which the roots of two solvers count as different.
+/// Difference of γL above which the roots of two solvers count as different.
 const OTHER_ROOT: f64 = 1e-6;
 
 /// Evaluated test.
@@ -52,7 +52,7 @@ pub(crate) struct Row {
     /// Number of admissible lines at which eq. 5, started from γ_0 L, gives another root than
     /// continuation.
     pub(crate) wrong_by_newton: usize,
-    /// Number of these lines that condition (iii) does not detect.
+    /// Number of these lines at which the other root also fulfils conditions (i) to (iii).
     pub(crate) unnoticed: usize,
 }
 

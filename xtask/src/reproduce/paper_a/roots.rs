@@ -30,7 +30,7 @@ const FROM_HZ: f64 = 362.0;
 const LINES: u32 = 1572;
 /// Noise of Ψ relative to its magnitude.
 const NOISES: [f64; 3] = [0.0, 0.005, 0.02];
-/// Distance above which roots count as different.
+/// Difference of γL above which roots count as different.
 const OTHER_ROOT: f64 = 1e-6;
 /// Spacing of the lines for the series, in Hz.
 const SERIES_STEP_HZ: f64 = 20.0;
@@ -53,8 +53,8 @@ pub(crate) struct Wrong {
 pub(crate) struct Series {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Number of lines within conditions (i) and (ii), and number of these lines that the criterion
-    /// of one third accepts.
+    /// Number of lines that fulfil conditions (i) to (iii), and number of these lines that the
+    /// criterion of one third accepts.
     pub(crate) lines: usize,
     pub(crate) accepted: usize,
     /// First line that the criterion does not accept, in Hz.
@@ -120,7 +120,7 @@ pub(crate) fn wrong_roots(paper: &PaperA, of_polyamide: &PaperE) -> Result<Vec<W
                 unnoticed: [0; 2],
                 ambiguous: 0,
             };
-            // where |δΨ f''| < |f'|²/2 at the true γL, Newton's iteration started there converges
+            // where |δΨ f''| ≤ |f'|²/2 at the true γL, Newton's iteration started there converges
             // to the correct root (Kantorovich)
             let right: Vec<Option<Complex64>> = frequency_hz
                 .iter()
@@ -273,7 +273,7 @@ pub(crate) fn series_table(rows: &[Series]) -> Table {
     let mut table = Table::new(&[
         "test",
         "μ",
-        "lines within (i) and (ii)",
+        "lines that fulfil (i) to (iii)",
         "accepted by the criterion of one third",
         "first rejected line, Hz",
         "difference of E' on accepted lines, %",

@@ -11,13 +11,13 @@ use testbed::papers::paper_a::PaperA;
 /// Gravity in m/s².
 const GRAVITY: f64 = 9.81;
 
-/// Comparison of one swing angle with that of the tests.
+/// Comparison of the results at one swing angle with those at the usual one.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     degrees: f64,
     /// Velocity of the hammer, in m/s.
     velocity: f64,
-    /// Greatest relative difference of Ψ, without noise.
+    /// Greatest relative difference of Ψ from that at the usual swing angle, without noise.
     pub(crate) at_rounding: f64,
     pub(crate) valid: usize,
     /// Mean of the relative difference of E', and root mean square of this difference over its

@@ -16,8 +16,8 @@ use testbed::papers::paper_a::PaperA;
 
 /// 0 °C in K.
 const CELSIUS: f64 = 273.15;
-/// Assumed law: 2.6 GPa and 0.07 at 20 °C and 1 kHz. The modulus falls by a factor e in `FALL` K;
-/// the loss factor grows by `GROWTH`/K.
+/// Assumed law: at 20 °C and 1 kHz, a modulus of 2.6 GPa and a loss factor of 0.07. The modulus
+/// decreases by a factor of e (2.718) every `FALL` K; the loss factor grows by `GROWTH` per K.
 pub(crate) const FALL: f64 = 75.0;
 pub(crate) const GROWTH: f64 = 5e-4;
 /// Temperatures of Figure 5, in °C.

@@ -75,7 +75,7 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
         .end(Termination::Free)?;
     let blow = RaisedCosine::new(BLOW.0, BLOW.1)?;
     let synthesis = DampedSynthesis::new(DURATION, INTERVAL)?.smoothed(2.5 * INTERVAL)?;
-    // the fastest waves of the band determine when the echo arrives
+    // the fastest waves of the band determine the arrival of the echo
     let speed = medium.phase_velocity(TAU * paper.highest_hz);
     let count = (paper.highest_hz / STEP_HZ).round() as u32;
     let frequency_hz: Vec<f64> = (2..=count).map(|j| STEP_HZ * f64::from(j)).collect();

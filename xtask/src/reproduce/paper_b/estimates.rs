@@ -15,7 +15,7 @@ use super::rig::{
 };
 use testbed::papers::paper_b::PaperB;
 
-/// Spacing of the lines in the tables, in Hz.
+/// Spacing of the computed lines, in Hz.
 const STEP_HZ: f64 = 125.0;
 
 /// Result of one measurement method.

@@ -28,7 +28,7 @@ const LUMP: f64 = 0.1;
 pub(crate) const STRAIN_NOISE: f64 = 0.002;
 
 /// Standard error of one end acceleration in one test, relative to the largest acceleration in the
-/// band. The paper finds less scatter with accelerometers.
+/// band: smaller than that of a strain, because the paper finds less scatter with accelerometers.
 pub(crate) const ACCELERATION_NOISE: f64 = 0.0005;
 
 /// Mass of the accelerometer of paper A.

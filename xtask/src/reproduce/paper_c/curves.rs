@@ -32,7 +32,7 @@ pub(crate) struct Row {
     modulus_change: f64,
 }
 
-/// Change shown in a figure.
+/// Quantity whose change a figure shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
     LossFactor,

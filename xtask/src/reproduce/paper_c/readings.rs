@@ -14,14 +14,14 @@ pub(crate) const TIMES: [f64; 12] = [
     60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1100.0, 1800.0, 3000.0, 5000.0, 9000.0, 18000.0,
 ];
 
-/// Standard error of a loss factor: 5 % of that of the virgin material, about the scatter of
-/// Figure 2.
+/// Standard error of a loss factor: 5 % of the loss factor of the virgin material, which is about
+/// the scatter of Figure 2.
 pub(crate) const STANDARD_ERROR: f64 = 1.25e-3;
 
 pub(crate) const SEED: u64 = 1993;
 
-/// Returns the strain of the dashpot and the spring parallel to it after `duration` under `stress`,
-/// by the midpoint rule.
+/// Returns the strain of the dashpot, and of the spring parallel to it, after `duration` under
+/// `stress`, starting from `strain`; by the midpoint rule.
 fn march(paper: &PaperC, mut strain: f64, stress: f64, duration: f64) -> f64 {
     let rate = |strain: f64| {
         let of_dashpot = stress - paper.parallel_modulus * strain;

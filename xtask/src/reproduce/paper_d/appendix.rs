@@ -47,7 +47,7 @@ pub(crate) struct Line {
     pub(crate) printed_relative_error: Option<f64>,
 }
 
-/// Model of the table.
+/// Rows of the table for one model, computed by one method.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     pub(crate) model: &'static str,
@@ -56,7 +56,8 @@ pub(crate) struct Row {
     pub(crate) lines: Vec<Line>,
     pub(crate) converged: bool,
     pub(crate) iterations: usize,
-    /// δ if the two solvers differ; for a round trip, the residual at the level of rounding.
+    /// δ if the data are those of another solver; for a round trip, the field below has it, which
+    /// is rounding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) relative_error: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]

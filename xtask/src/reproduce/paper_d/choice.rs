@@ -18,7 +18,7 @@ use super::virtual_test::{self, Rig};
 use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
 /// Number of principal components of the pattern that are kept; P_i is a linear function of them.
-/// With 60 samples per model, even the best number is little better than chance.
+/// With 60 samples per model, the choice is little better than chance for any number of components.
 const COMPONENTS: usize = 6;
 
 /// Row of the table: a material, its data, and the measures of the three models.

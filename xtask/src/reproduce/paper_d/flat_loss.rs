@@ -1,5 +1,5 @@
-//! Laws of the paper fitted to linear rods with the same loss at every frequency, which is nearly
-//! so in polymers.
+//! Laws of the paper fitted to linear rods with a loss factor that does not depend on frequency, as
+//! is nearly the case for polymers.
 
 use std::f64::consts::TAU;
 
@@ -19,8 +19,8 @@ use testbed::papers::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
 };
 
-/// Loss factors at kilohertz. For the plastics from handbooks and papers C and E; the rubber is
-/// natural rubber with carbon black.
+/// Loss factors at some kHz: of the plastics, from handbooks and papers C and E; of the rubber,
+/// that of natural rubber with carbon black.
 const LOSS_FACTORS: [(&str, f64); 5] = [
     ("Polypropylene", 0.07),
     ("Polyamide 6", 0.03),

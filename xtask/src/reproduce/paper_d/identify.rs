@@ -1,4 +1,4 @@
-//! Identification, with a result whose type does not depend on the law.
+//! Identification, with the same type of result for every law.
 
 use maxwellid::{
     Fit, IdentifiableLaw, MaxwellidError, Noise, RodModel, RodTest, Role, Scale, Verdict,
@@ -10,7 +10,8 @@ use serde::Serialize;
 use super::super::Error;
 use testbed::papers::paper_d::{LawParameters, ModelKind};
 
-/// Runs `$body` with `$law` bound to the law that `$parameters` describe, whatever its type is.
+/// Runs `$body` with `$law` bound to the law that `$parameters` describe; each law has another
+/// type.
 macro_rules! with_law {
     ($parameters:expr, |$law:ident| $body:expr) => {
         match $parameters {
@@ -130,7 +131,8 @@ pub(crate) struct Parameter {
     /// Value, if the data determine it, or if it follows from parameters that they determine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) value: Option<f64>,
-    /// Standard error of ln(value), or of an exponent itself, if the value is given.
+    /// Standard error of ln(value), or of the value itself if the parameter is an exponent; `None`
+    /// if `value` is `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) standard_error: Option<f64>,
     /// Value at which the iteration stopped, if the data do not determine the parameter. It is not
@@ -162,7 +164,7 @@ pub(crate) struct Outcome {
     pub(crate) solution: Vec<f64>,
 }
 
-/// Identifies from one test, then from two, and so on up to all.
+/// Identifies from the first test, then from the first two, and so on up to all.
 pub(crate) fn one_by_one(
     model: ModelKind,
     tests: &[RodTest],
@@ -179,7 +181,7 @@ pub(crate) fn one_by_one(
 /// Settings of the identification.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Settings {
-    /// Longest cell of the grid in m; if not given, it is chosen for the noise.
+    /// Longest cell of the grid in m; if `None`, the cell is chosen for the noise.
     pub(crate) cell: Option<f64>,
     pub(crate) round_trip: bool,
     /// Noise from which the errors of the values follow.
@@ -189,8 +191,8 @@ pub(crate) struct Settings {
 }
 
 /// Identifies the law of kind `model` from `tests`. The iteration starts without knowledge of the
-/// true values: E from the time of flight, the rate from a scan, and a weak nonlinearity. If the
-/// result `before` of fewer tests is given, it starts there.
+/// true values: E from the time of flight, the rate from a scan, and a weak nonlinearity. If
+/// `before`, the result of fewer tests, is given, the iteration starts at its parameters.
 pub(crate) fn identify(
     model: ModelKind,
     tests: &[RodTest],
@@ -253,7 +255,8 @@ fn run<L: IdentifiableLaw>(
             .into_iter()
             .map(|estimate| {
                 let identified = estimate.verdict == Verdict::Identified;
-                // the data determine a derived parameter if they determine its coordinates
+                // a derived parameter counts as determined if all coordinates of the law are
+                // identified and its standard error is below 2
                 let determined = identified
                     || law_is_identified
                         && estimate.role == Role::Derived

@@ -177,7 +177,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         &weighed,
         Settings {
             noise: Noise::Stated,
-            // a sharp front, before the filter, needs another grid
+            // the recorder in the model is driven by the sharp front before the filter, for which
+            // the cell is chosen
             cell: plain
                 .cell
                 .filter(|_| job.excitation != Excitation::ThroughRecorder),
@@ -185,7 +186,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         },
         outcomes.last(),
     )?;
-    // only struck rods are checked: a rod driven by the recorded excitation has no other excitation
+    // a rod driven by the recorded excitation is not checked, because it has no other excitation
     if job.excitation == Excitation::Struck && job.material.model != ModelKind::Maxwell {
         let recorders = weighed
             .iter()
@@ -261,7 +262,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
 
 /// Returns the conditions of a test on a rod of `modulus` \[Pa\].
 pub(crate) fn conditions(test: &RodTestConditions, modulus: f64) -> Conditions {
-    // in 2.5 ms there are three or more reflections in a plastic rod; rubber is three times slower
+    // in 2.5 ms there are three or more reflections in a plastic rod; waves in rubber are three
+    // times slower
     let slow = modulus < 1e9;
     Conditions {
         name: format!("Test {}", test.test),

@@ -362,7 +362,7 @@ fn of_choice(choices: &[choice::Row]) -> Vec<String> {
         let right = of_law
             .iter()
             .filter(|row| largest(measures(row)).map(symbol_of) == row.truth)
-            // the increments tend to the median of a variable that is 0 or 1, so all measures may
+            // P_i by increments tends to the median of a variable that is 0 or 1, so all P_i may
             // vanish
             .filter(|row| extent(measures(row)).1 > 0.05)
             .count();
@@ -436,7 +436,7 @@ fn of_flat_loss(flat_losses: &[FlatLoss]) -> Vec<String> {
         format!(
             "Linear rods of constant loss: with four tests, the error of the response is {} of V0 by the law of the paper, {} by an elastic rod, and {} by \
              constant loss. A Maxwell law cannot describe a loss that does not depend on frequency. Its error is within a factor of two of the printed \
-             errors ({}) for {}; for the others, this would need lower losses or less content at high frequencies.",
+             errors ({}) for {}; for the others, such small errors would need lower losses or less content at high frequencies.",
             per_cent_of(flat_losses.iter().map(last).collect()),
             per_cent_of(flat_losses.iter().map(|row| row.elastic_error).collect()),
             per_cent_of(flat_losses.iter().map(|row| row.flat_loss_error).collect()),

@@ -20,10 +20,10 @@ use testbed::struck_rod::{self, StruckRod};
 /// error of Table 5.
 pub(crate) const NOISE: f64 = 0.008;
 
-/// Seed of the noise, to which the number of the test is added.
+/// Seed of the noise of a test, to which the number of the test is added.
 pub(crate) const SEED: u64 = 1993;
 
-/// Level of noise for the second verdict on the noise-free data of the appendix.
+/// Noise for the second verdict on the noise-free data of the appendix, as a fraction of V0.
 pub(crate) const NOISE_OF_TABLE_5: f64 = 0.02;
 
 /// Cut-off of the virtual recorder. The paper states a sampling frequency of 51.2 kHz but no
@@ -36,10 +36,11 @@ pub(crate) const FLAT_LOSS_BAND: OmegaBand = OmegaBand {
     to: 1.26e5,
 };
 
-/// Number of steps of the line, which computes constant loss, per step of the chain.
+/// Number of time steps of the line model, which computes constant loss, per time step of the
+/// lumped chain.
 const FLAT_LOSS_REFINEMENT: f64 = 4.0;
 
-/// Number of branches of the line per decade.
+/// Number of Maxwell branches of the line model per decade of relaxation times.
 pub(crate) const FLAT_LOSS_BRANCHES: f64 = 2.0;
 
 /// Number of samples before the impact: the filter reaches 24 samples ahead.
@@ -54,7 +55,8 @@ impl Noise {
         Self(None)
     }
 
-    /// Creates white noise of [`NOISE`] times the velocity `impact_velocity` [m/s].
+    /// Creates white noise with a standard deviation of [`NOISE`] times the velocity
+    /// `impact_velocity` \[m/s\].
     pub(crate) fn of_the_recorder(impact_velocity: f64, seed: u64) -> Self {
         let noise = testbed::noise::Noise::seeded(seed);
         Self(Some((noise, NOISE * impact_velocity)))
@@ -150,8 +152,8 @@ impl Rig {
         }
     }
 
-    /// Creates a test of these histories with noise on both. The noise is not stated in the test;
-    /// see [`stating_the_noise`].
+    /// Creates a test of the recorded excitation and the `response`, with noise on both. The noise
+    /// is not stated in the test; see [`stating_the_noise`].
     fn test(
         &self,
         conditions: &Conditions,
@@ -202,8 +204,8 @@ impl Rig {
         )
     }
 
-    /// Returns the response of the lumped chain to the excitation that has passed the filter of the
-    /// recorder, before sampling.
+    /// Returns a test with the response of the lumped chain to the excitation that has passed the
+    /// filter of the recorder, before sampling.
     ///
     /// The response is extrapolated from two grids; the extrapolation removes the leading error of
     /// the chain.
@@ -226,8 +228,8 @@ impl Rig {
         })
     }
 
-    /// Returns the response of a linear rod of constant loss to the recorded excitation, computed
-    /// by a line with one branch per relaxation time.
+    /// Returns a test with the response of a linear rod of constant loss to the recorded
+    /// excitation, computed by a line model with one branch per relaxation time.
     ///
     /// The excitation is that of a Maxwell rod with the same loss factor at the reference
     /// frequency.
@@ -271,8 +273,8 @@ impl Rig {
         self.test(conditions, &record, &response, line::GENERATOR, noise)
     }
 
-    /// Returns the noise-free response computed by the solver that the inversion also uses, as in
-    /// the appendix of the paper.
+    /// Returns a test with the noise-free response computed by the solver that the inversion also
+    /// uses, as in the appendix of the paper.
     pub(crate) fn round_trip(
         &self,
         conditions: &Conditions,

@@ -11,7 +11,8 @@ use super::responses::Responses;
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
-/// Time shown before the contact, in ms, because the band limit smears the start.
+/// Start of the time axis, in ms, relative to the start of the contact, which the band limit
+/// smears.
 const AHEAD: f64 = -0.1;
 
 /// Draws the histories of the cone (Figure 5) or of the cylinder (Figure 6), with the uncertainty

@@ -43,8 +43,8 @@ pub(crate) struct Forces {
     pub(crate) velocity: f64,
     /// History from the gauges, until the contact has ended.
     pub(crate) gauges: ForceHistory,
-    /// Force on the lines of (I) for the virtual body itself, without the errors of a measurement,
-    /// and the force of (I), both before separation is applied.
+    /// Force on the lines of (I), before separation is applied: of the virtual body itself, without
+    /// the errors of a measurement, and of the measured body.
     pub(crate) truth: ForceHistory,
     pub(crate) stick: ForceHistory,
     pub(crate) stick_band: ForceBand,
@@ -72,7 +72,7 @@ pub(crate) struct Row {
     /// End of the contact by eq. 3 exactly as printed, in s: the first sample below zero.
     pub(crate) to_the_letter: Option<f64>,
     /// Fractions of the impulse after the first separation, and after the end of the contact by the
-    /// gauges if that is earlier.
+    /// gauges, if that is before the first separation.
     pub(crate) missed: Option<[f64; 2]>,
     /// Times at which the later contacts begin and end, in s; `None` if the method gives only one
     /// contact.
@@ -100,12 +100,12 @@ pub(crate) struct Residuals {
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Uncertainty {
     pub(crate) face: &'static str,
-    /// Standard errors: of a force in N, and of the end of the contact in s.
+    /// Standard errors of the force in N, and of the end of the contact in s.
     pub(crate) force: f64,
     pub(crate) end: Option<f64>,
     /// Time of a minimum of the force, and the probability that the faces separate there.
     pub(crate) may_end_earlier: Option<(f64, f64)>,
-    /// Standard error of a force in N if both hammers are used on every line.
+    /// Standard error of the force in N if both hammers are used on every line.
     pub(crate) force_by_variance: f64,
     /// Fraction of the exact history of the virtual body, on the same lines, that is within the
     /// band.
@@ -292,9 +292,9 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     })
 }
 
-/// Returns F(t) = -AEε(t + t_tr) from gauges on the rod, with noise of the strain. The impact is
-/// computed by the damped Fourier transform and ends at the first zero of the stick force. The time
-/// of this zero is also returned.
+/// Returns F(t) = -AEε(t + t_tr) from gauges on the rod, with noise of the strain, and the time at
+/// which the contact ends. The impact is computed by the damped Fourier transform; the contact ends
+/// at the first zero of the stick force.
 fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f64), Error> {
     let body = paper.causal(face)?;
     let rod = paper.gauged_rod()?;
@@ -326,8 +326,8 @@ fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f6
     Ok((history, end))
 }
 
-/// Returns the root mean square of the difference relative to the peak, from the end of the initial
-/// jump to `until`, the end of the contact.
+/// Returns the root mean square of the difference relative to the peak, from [`COMPARED`] to 95 %
+/// of `until`, the end of the contact.
 fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
     let squares: Vec<f64> = gauges
         .force()
@@ -341,7 +341,7 @@ fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
     mean.sqrt() / gauges.peak().force
 }
 
-/// Returns the value of a history between its samples.
+/// Returns the value of a history, interpolated linearly between its samples; `None` outside them.
 fn at(history: &ForceHistory, time: f64) -> Option<f64> {
     let nearest = history.index_near(time)?;
     let before = if history.time_at(nearest) > time {

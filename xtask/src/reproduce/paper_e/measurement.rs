@@ -19,7 +19,7 @@ use testbed::papers::paper_e::hammer_tests::BELOW_GAUGE;
 const WEIGHING: f64 = 1e-4;
 pub(crate) const SEED: u64 = 1993;
 
-/// Mobility of a bare face; the results of both hammers are merged by two rules.
+/// Mobility of a bare face, with the results of both hammers merged by two rules.
 #[derive(Debug)]
 pub(crate) struct Measurement {
     pub(crate) frequency_step_hz: f64,

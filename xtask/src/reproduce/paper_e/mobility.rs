@@ -158,7 +158,7 @@ pub(crate) fn jumps(paper: &PaperE) -> Result<Vec<Jump>, Error> {
                 face: face.name(),
                 from_impedances: velocity / (1.0 / impedances[0] + 1.0 / impedances[1]),
                 first_step: first.history.force().first().copied().unwrap_or(f64::NAN),
-                // intervals of 4 µs: the Gaussian has 2.5 intervals
+                // 2.5 intervals of 4 µs are the 10 µs of the Gaussian
                 rounded_peak: impact.stick_force_damped(2e-3, 4e-6)?.peak().force,
                 reference_peak,
                 elastic: face.is_elastic(),

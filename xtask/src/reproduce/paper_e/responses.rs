@@ -22,8 +22,8 @@ pub(crate) struct Responses {
 
 impl Responses {
     pub(crate) fn of(paper: &PaperE, measurements: &[Measurement]) -> Result<Self, Error> {
-        // half of the band is omitted from the spectra; twice the sample period would therefore
-        // suffice
+        // finer than necessary: the lines reach half of the Nyquist frequency only, for which twice
+        // the sample period would suffice
         let grid = TimeGrid {
             time_step: 0.5 * paper.sample_period,
             n_steps: STEPS as usize,
