@@ -2,8 +2,9 @@
 //! tables.
 //!
 //! The functions do not depend on a fuzzer. The programs in `fuzz_targets` pass them the inputs of
-//! libFuzzer; a test of `rodlab` includes these folders by their paths and gives them the inputs
-//! that are kept in `corpus` and `regressions`. A function panics if its property is violated.
+//! libFuzzer; a test of `rodlab` includes the folders `records` and `sheets` as modules, and passes
+//! the inputs in `corpus` and `regressions` to the functions. A function panics if its property is
+//! violated.
 
 mod records;
 #[cfg(feature = "sheets")]

@@ -8,7 +8,8 @@ use ndarray::Array2;
 
 use super::{memory, prints};
 
-/// Number of samples in a block: a divisor neither of the buffer nor of most files.
+/// Number of samples in a block: it divides neither the number of samples in the buffer of a reader
+/// nor, usually, the number of samples in the file.
 const BLOCK: usize = 7;
 
 /// Returns all samples of `source`, channel by channel.
@@ -42,7 +43,8 @@ fn channels(n: usize) -> Vec<Channel> {
         .expect("names and quantities of channels")
 }
 
-/// Compares the blocks with the values of the whole file, if both could be read.
+/// Compares the blocks with the values of the whole file. If the blocks could not be read, checks
+/// the message of their error.
 fn same(blocks: Result<Vec<Vec<f64>>, LabioError>, whole: &[&[f64]]) {
     match blocks {
         Ok(blocks) => {
@@ -67,19 +69,23 @@ fn reals(contents: &labio::Contents) -> Vec<&[f64]> {
         .collect()
 }
 
-/// Checks WAVE files.
+/// Checks that a WAVE file read in blocks has the samples of the whole file.
 pub fn wav(bytes: &[u8]) {
     let whole = format::wav::Wav.read(bytes, Strictness::Strict);
     let n = whole.as_ref().map_or(1, |contents| contents.series.len());
     let blocks = format::wav::Blocks::new(Cursor::new(bytes), &channels(n), &vec![1.0; n]);
     match (blocks.and_then(all), whole) {
         (blocks, Ok(whole)) => same(blocks, &reals(&whole)),
-        (Ok(blocks), Err(error)) => panic!("{} channels, whole: {error}", blocks.len()),
+        (Ok(blocks), Err(error)) => panic!(
+            "{} channels are read in blocks, but not as a whole file: {error}",
+            blocks.len()
+        ),
         (Err(error), Err(_)) => prints(&error),
     }
 }
 
-/// Checks arrays of NumPy with and without a row of times.
+/// Checks that an array of NumPy read in blocks, with and without a row of times, has the values of
+/// the whole file.
 pub fn npy(bytes: &[u8]) {
     let whole = format::npy::Npy.read(bytes, Strictness::Strict);
     let n = whole.as_ref().map_or(1, |contents| contents.series.len());

@@ -3,7 +3,7 @@
 use allocation_counter::measure;
 use labio::format::MemoryLimit;
 
-/// Allowed memory of a reader in addition to the contents, for buffers \[bytes\].
+/// Allowed memory of a reader for buffers, in addition to that for the contents \[bytes\].
 const BUFFERS: u64 = 4 << 20;
 
 /// Allowed number of simultaneous copies of unpacked data: bytes, numbers, series, and the spare

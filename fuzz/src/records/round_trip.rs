@@ -29,10 +29,10 @@ fn formats() -> [(&'static dyn Writer, &'static dyn Reader, f64); 7] {
         (&Npy, &Npy, 0.0),
         (&Npz, &Npz, 0.0),
         (&BINARY, &Uff58, 0.0),
-        // thirteen digits
+        // written with thirteen digits
         (&TEXT, &Uff58, 1e-11),
         (&FLOATS, &Wav, 0.0),
-        // in the encoding of the file that was read
+        // written in the encoding of the file that was read
         (&Wav, &Wav, 0.0),
     ]
 }
@@ -120,7 +120,8 @@ fn abscissa(before: &Series, after: &Series, of: &str) {
             .max(first.abs())
             .max(end.abs())
             .max(a.abs());
-        // a list of rounded times becomes an even abscissa if its digits determine the step to 1e-4
+        // tolerance: a list of rounded times becomes an even abscissa if its digits determine the
+        // step to 1e-4
         assert!(
             (a - b).abs() <= 1e-4 * scale
                 || a.to_bits() == b.to_bits()

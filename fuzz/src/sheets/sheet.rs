@@ -1,4 +1,5 @@
-//! Test sheets of all jobs: a valid sheet is checked further, an error states its place.
+//! Test sheets of all jobs. A valid sheet is also checked as the command does; an error must state
+//! its place in the text.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -45,7 +46,7 @@ fn mistake(error: &SheetError, text: &str) {
     prints(error);
     assert!(
         (1..=text.split('\n').count()).contains(&error.line()),
-        "line {}",
+        "line {} is not in the text",
         error.line()
     );
     assert!(error.column() >= 1);
@@ -53,7 +54,7 @@ fn mistake(error: &SheetError, text: &str) {
         let end = label.offset() + label.len();
         assert!(
             text.get(label.offset()..end).is_some(),
-            "{}..{end}",
+            "bytes {}..{end} are not in the text",
             label.offset()
         );
     }

@@ -44,8 +44,8 @@ pub fn response_table(bytes: &[u8]) {
     jobs(bytes, &RESPONSES);
 }
 
-/// Returns a folder in memory if there is one, otherwise that of temporary files: a job reads its
-/// tables from files.
+/// Returns the parent of the temporary folders from which jobs read their tables: a folder in
+/// memory if there is one, otherwise /tmp.
 pub fn memory() -> &'static Path {
     let shared = Path::new("/dev/shm");
     if shared.is_dir() {

@@ -30,18 +30,18 @@ fn known(unit: &Unit) {
     assert_eq!(
         Unit::parse(unit.symbol()).as_ref().ok(),
         Some(unit),
-        "`{unit}` read again"
+        "the symbol of `{unit}` does not parse to this unit"
     );
     for value in [-1.0, 0.0, 3.25e-3, 4096.0] {
         let si = unit.to_si(value);
         let back = unit.of_si(si);
-        // scales with another zero cancel digits, and products of scales may leave the range of
-        // normal numbers
+        // tolerance: rounding, which is larger for units with an offset, such as °C; products of
+        // units may have scales outside the range of normal numbers
         let digits = 8.0 * f64::EPSILON * (value.abs() + unit.of_si(0.0).abs());
         if si.is_normal() {
             assert!(
                 (back - value).abs() <= digits,
-                "{value} `{unit}` is {si} and back {back}"
+                "{value} `{unit}` is {si} in SI, which converts back to {back}"
             );
         }
     }

@@ -1,8 +1,8 @@
 //! Differences between the page in the repository and the page that would be written.
 //!
 //! Claims, expected values and reasons are compared literally. Our numbers are not, because their
-//! last digits differ between processors. The used part of the tolerance may change by 25 points,
-//! because a count of lines may change by one if a processor rounds differently.
+//! last digits differ between processors. The used part of the tolerance may change by 25 points:
+//! some claims are about a number of lines, which may differ by one between processors.
 
 use std::fmt;
 
