@@ -14,8 +14,8 @@ use std::path::Path;
 use testbed::generated::workspace_root;
 use testbed::papers::files;
 
-/// Arrows of existing circles, without which no circle remains, each with the folder of its
-/// modules. Entries may only be removed from this list.
+/// Arrows that are tolerated although they are part of circles, each after the folder of its
+/// modules. No circle remains without these arrows. Entries may only be removed from this list.
 const KNOWN: &[&str] = &[
     "crates/impulse/src/hopkinson: result -> finding",
     "crates/impulse/src/hopkinson: shot -> finding",

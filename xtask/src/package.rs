@@ -1,9 +1,9 @@
 //! `cargo xtask package`: checks the contents of the package of each crate, and the entries of its
 //! manifest that a registry requires.
 //!
-//! This project publishes nothing itself, but others may vendor or distribute the packages. A
-//! package also shows which files a crate needs to be built: it contains no test data, and its
-//! sources read no file outside it.
+//! This project publishes nothing itself, but others may build the crates from packages. A package
+//! also shows which files a crate needs to be built: it contains no test data, and its sources read
+//! no file outside it.
 
 mod oldest;
 

@@ -1,8 +1,8 @@
 //! Comparison of a result with its snapshot in the repository.
 //!
 //! A snapshot guards against unintended changes; it proves nothing. Numbers are compared with a
-//! relative tolerance, because the last digits of exp and ln differ between machines. Keys in
-//! [`NOT_COMPARED`] depend on those digits and are omitted.
+//! relative tolerance, because the last digits of exp and ln differ between machines. The values of
+//! [`NOT_COMPARED`] depend on these digits or follow from other values, and are not compared.
 
 use std::fs;
 use std::path::Path;

@@ -138,7 +138,7 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
         .count();
     let total = sections.iter().map(|s| s.report.checks.len()).sum();
     // a test that panicked before its claims were asserted leaves no rows; a page written now would
-    // lose them
+    // lose these rows
     if ended != Some(0) && failed == 0 {
         return Err(Box::new(ValidationError::Tests(ended)));
     }

@@ -36,7 +36,7 @@ const AUTOMATIC: [&str; 7] = [
 /// Crates that every program can use without declaring them as dependencies.
 const STANDARD: [&str; 3] = ["alloc", "core", "std"];
 
-/// Crates whose items are also available through the second crate, which re-exports them.
+/// Pairs of a crate and of a second crate that re-exports its items.
 const WITHIN: [(&str, &str); 1] = [("rand_core", "rand")];
 
 /// Public interface of a crate.

@@ -12,8 +12,8 @@ const PAPERS: [(char, u32, u32); 5] = [
     ('E', 10, 16),
 ];
 
-/// Returns the lines of `page` that refer to an equation in another form, or to one that does not
-/// exist in the paper.
+/// Returns a fault for each reference of `page` to an equation that has another form, or whose
+/// equation does not exist in the paper.
 pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     let mut faults = Vec::new();
     let mut own = Vec::new();

@@ -1,5 +1,5 @@
 //! Table 1 applied to the bar: s and n of each quarter turn of ka, and the error of γa computed
-//! with them.
+//! with these s and n.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -56,8 +56,8 @@ pub(crate) struct Row {
     pub(crate) lines: Vec<Line>,
     pub(crate) converged: bool,
     pub(crate) iterations: usize,
-    /// δ if the data are those of another solver; for a round trip, the field below has it, which
-    /// is rounding.
+    /// δ for data of another solver; `None` for a round trip, whose δ is rounding and is in
+    /// `at_rounding`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) relative_error: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -128,7 +128,7 @@ fn influences_of(
 pub(crate) struct Parameter {
     pub(crate) symbol: &'static str,
     pub(crate) unit: &'static str,
-    /// Value, if the data determine it, or if it follows from parameters that they determine.
+    /// Value, if the data determine it, or if it follows from parameters that the data determine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) value: Option<f64>,
     /// Standard error of ln(value), or of the value itself if the parameter is an exponent; `None`

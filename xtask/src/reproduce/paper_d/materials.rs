@@ -177,8 +177,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         &weighed,
         Settings {
             noise: Noise::Stated,
-            // the recorder in the model is driven by the sharp front before the filter, for which
-            // the cell is chosen
+            // with the recorder in the model, a sharp front drives the rod, and the cell is chosen
+            // for the noise
             cell: plain
                 .cell
                 .filter(|_| job.excitation != Excitation::ThroughRecorder),

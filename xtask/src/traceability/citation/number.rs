@@ -27,8 +27,8 @@ pub(super) fn number_or_range(word: &str) -> Option<(&str, Option<&str>, &str)> 
     }
 }
 
-/// Returns all numbers of a range, or only its ends if one cannot count up from the first to the
-/// last.
+/// Returns all numbers of a range, or only the first and the last if the numbers between them
+/// cannot be counted.
 pub(super) fn between(first: &str, last: Option<&str>) -> Vec<String> {
     let Some(last) = last else {
         return vec![first.to_owned()];
