@@ -36,7 +36,7 @@
 //! e^{αL} and the pair is normalised to magnitude one, so that nothing overflows at any αL or kL:
 //! the factor e^{-αL} matters only for the response of a section. For passive elements no sum
 //! of the recursion cancels except near a resonance or antiresonance of the body itself, and a free
-//! or fixed end is simply the pair (0, 1) or (1, 0). A reflection coefficient does not overflow
+//! or fixed end is simply the pair (0, 1) or (1, 0). A reflection coefficient r does not overflow
 //! either, but it tends to 1 as ω → 0, where the mass of a free body is lost in the rounding of 1 -
 //! r; in the pair the force is the sum of the inertia of the elements, and Ĝ iωM → 1 to full
 //! precision.
@@ -89,7 +89,8 @@ pub struct Chain<V: Argument = AngularFrequency> {
 pub struct FaceMobilities {
     /// Mobility of the impact face: [`Chain::mobility`].
     pub near: Complex64,
-    /// Velocity of the far face over the force on the impact face, which equals the reverse.
+    /// Velocity of the far face over the force on the impact face, equal to the velocity of the
+    /// impact face over the force on the far face.
     pub transfer: Complex64,
     /// Mobility of the far face: [`Chain::far_face_mobility`].
     pub far: Complex64,
@@ -265,8 +266,9 @@ impl<V: Argument> Chain<V> {
         Section::new(self, element, distance)
     }
 
-    /// Mobilities of both faces. The transfer mobility is the velocity of the pair at the
-    /// termination over the force of this pair at the impact face.
+    /// Mobilities of both faces and between them. For the pair (F, v) that is transferred from the
+    /// termination, the transfer mobility is the velocity at the termination over the force at the
+    /// impact face.
     fn faces(&self, argument: V) -> Result<FaceMobilities, RodwaveError> {
         let mut end = self.termination.face(argument)?;
         end.restart();

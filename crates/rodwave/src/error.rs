@@ -157,7 +157,7 @@ pub(crate) fn check_all_finite(
         .try_for_each(|value| check_finite(quantity, value).map(drop))
 }
 
-/// Largest number of cells of a march: several arrays of a gigabyte each.
+/// Largest number of cells of a march. Each of its arrays then takes a gigabyte.
 const MOST_CELLS: usize = 1 << 27;
 
 /// Checks that a number of cells is sufficient for a march and within the memory limit.
@@ -177,8 +177,8 @@ pub(crate) fn check_cells(
     }
 }
 
-/// Converts an unrounded number of time steps, after a check that a march and its histories in
-/// memory allow it.
+/// Rounds a number of time steps down to an integer, after a check that it is at most 1e9, which
+/// limits the length of a march and the memory of its histories.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

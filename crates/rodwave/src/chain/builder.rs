@@ -124,8 +124,8 @@ impl<V: Argument> ChainBuilder<V> {
         match element {
             Ok(element) => self.elements.push(element),
             Err(source) => {
-                // no element is pushed after an error, so the count is the index of the first
-                // invalid one
+                // every element before the first invalid one has been pushed, so the count is the
+                // index of the first invalid one
                 let index = self.elements.len();
                 self.first_error
                     .get_or_insert_with(|| in_element(index, source));

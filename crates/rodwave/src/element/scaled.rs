@@ -68,7 +68,7 @@ const CONE_SERIES: [f64; 9] = [
     1.0 / 6_758_061_133_824_000.0,
 ];
 
-/// Computes W = (cosh x - sinh x/x)/x², divided by e^{exponent} as its arguments are.
+/// Computes W = (cosh x - sinh x/x)/x², divided by e^{exponent} like its arguments.
 ///
 /// The difference loses accuracy by a factor 3/|x|². Below |x| = 1 the series is used, with a
 /// remainder below 2e-18.
@@ -174,7 +174,7 @@ impl ScaledTransition {
 mod tests {
     use super::*;
 
-    /// Compares with the library's functions where these neither cancel nor overflow.
+    /// Compares with the functions of `Complex64` where these neither cancel nor overflow.
     #[test]
     fn scaled_functions_are_the_hyperbolic_ones() {
         for (re, im) in [
@@ -187,7 +187,7 @@ mod tests {
             let x = Complex64::new(re, im);
             let scaled = ScaledHyperbolic::of(x);
             let growth = scaled.exponent.exp();
-            // a few roundings of factors of order 1
+            // tolerance: a few roundings of factors of order 1
             assert!((scaled.cosh * growth - x.cosh()).norm() < 1e-15 * 4.0 * x.cosh().norm());
             assert!((scaled.sinh * growth - x.sinh()).norm() < 1e-15 * 4.0 * x.sinh().norm());
         }
@@ -204,7 +204,8 @@ mod tests {
                 cone_function(&hyperbolic, x * x, s) * hyperbolic.exponent.exp()
             };
             let (below, above) = (value(1.0 - 1e-15), value(1.0 + 1e-15));
-            // the slope 1/15 times 2e-15, and rounding magnified by 3 to 5 in the difference
+            // tolerance: the slope of W, 1/15, times 2e-15, and roundings that the difference
+            // magnifies 3 to 5 times
             assert!((below - above).norm() < 4e-15, "{below} {above}");
         }
     }
