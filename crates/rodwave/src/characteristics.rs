@@ -127,8 +127,8 @@ impl<L: InelasticLaw> DirectProblem<L> {
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] if a time is after the end of the excitation,
-    /// [`RodwaveError::NonPhysical`] if a time is negative or not finite, or more than 1e9 steps
-    /// away.
+    /// [`RodwaveError::NonPhysical`] if a time is negative or not finite, or more than 1e9 time
+    /// steps after the start of the excitation.
     pub fn free_end_velocity(
         &self,
         excitation: &dyn VelocityHistory,
@@ -362,8 +362,8 @@ pub struct NodeState {
     pub velocity: f64,
 }
 
-/// [`relax`] as a task that can run with the vector instructions of the processor. The results are
-/// the same to the last digit.
+/// [`relax`] as a task that can run with the vector instructions of the processor. Without
+/// these instructions, the results are the same to the last digit.
 struct Relax<'a, F> {
     wave: &'a mut WavePair,
     flow: &'a F,
@@ -603,7 +603,7 @@ mod tests {
             for (plain, vector) in with_tangents.tangents.iter().zip(&march.tangents) {
                 assert_same_bits(plain, vector);
             }
-            // an oscillating velocity, so that blocks of every kind occur
+            // an oscillating velocity, so that blocks with small and with large stresses occur
             march.wave.shift(9.0 + 8.0 * (0.1 * f64::from(step)).sin());
             for tangent in &mut march.tangents {
                 tangent.shift(1.0);

@@ -4,7 +4,7 @@
 //! σ = Σ σᵢ ,    ∂σᵢ/∂t = wᵢE (∂ε/∂t - Fᵢ(σᵢ)) ,    Σ wᵢ = 1
 //! ```
 //!
-//! The waves travel as in [`super`], where σ is the sum of the stresses of the branches. The shift
+//! The waves travel as in [`super`], with σ the sum of the stresses of the branches. The shift
 //! strains all branches equally, dσᵢ = wᵢ dσ, and so does not change the *excess* pᵢ = σᵢ - wᵢσ of
 //! a branch at a node. Each branch relaxes by its own exact flow, and Σ pᵢ = 0. A spring does not
 //! relax, and its excess is not stored.
@@ -317,7 +317,8 @@ struct BranchedMarch<L: InelasticLaw> {
     shares: Vec<f64>,
     /// Flows for half a step, used in the first step, and for a whole step.
     flows: [Flows<L::Flow>; 2],
-    /// Changes of the branches in one block, and their derivatives with respect to one parameter.
+    /// Changes of the stresses of the branches in one block, and their derivatives in one
+    /// direction.
     changes: Vec<StressChange>,
     by: Row,
     impedance: f64,
@@ -381,8 +382,8 @@ impl<L: InelasticLaw> BranchedMarch<L> {
         self.wave.shift(velocity);
     }
 
-    /// Advances one time step and writes the derivative of the change of each branch with respect
-    /// to its stress at each node.
+    /// Advances one time step and writes to `slopes`, for each branch and node, the derivative of
+    /// the change of the branch's stress with respect to this stress.
     fn advance_with_slopes(&mut self, velocity: f64, slopes: &mut [Vec<f64>], least: f64) {
         let of_law = self.shares.last().copied().unwrap_or(1.0);
         let least = of_law * self.impedance * least;

@@ -52,8 +52,8 @@ pub(super) struct Motion<'a> {
 
 /// Computes the derivatives of the velocity of the free end with respect to the samples of
 /// `pulses`. `advance` makes a step of the motion; its first argument is the velocity at x = -L at
-/// the end of the step. It writes the derivative of the change of each branch with respect to its
-/// stress at each node.
+/// the end of the step. To its second argument it writes, for each branch and node, the derivative
+/// of the change of the branch's stress with respect to this stress.
 pub(super) fn by_samples(
     motion: &Motion<'_>,
     pulses: &SamplePulses,
@@ -92,8 +92,8 @@ pub(super) fn by_samples(
 }
 
 impl<L: InelasticLaw> March<L> {
-    /// Advances one time step as [`Self::advance`] does, and writes the derivative of the change of
-    /// stress with respect to the stress of each node.
+    /// Advances one time step as [`Self::advance`] does, and writes to `slopes`, for each node, the
+    /// derivative of the change of stress with respect to the stress.
     fn advance_with_slopes(&mut self, velocity: f64, slopes: &mut [f64], least: f64) {
         let nodes = self.wave.len();
         let flow = if self.steps == 0 {
@@ -169,8 +169,8 @@ struct PulseGroup {
     left: Vec<[f64; LANES]>,
     of_right: usize,
     of_left: usize,
-    /// Excess of each branch over its share of s at each node; empty if there is a single branch
-    /// and no spring.
+    /// Excess of each branch over its share of s = σ/Z at each node; empty if there is a single
+    /// branch and no spring.
     excess: Vec<Vec<[f64; LANES]>>,
     /// Derivative of the velocity of the free end at each time level, for each sample of the group.
     histories: Vec<Vec<f64>>,
@@ -337,7 +337,7 @@ mod tests {
                 12.0 * (1.0 - (-t / 2e-5).exp()) * (-t / 2e-4).exp()
             })
             .collect();
-        // a sample at the start, so that the levels of all marches begin there
+        // the first sample is not zero, so that the levels of all marches begin there
         samples[0] = 1e-9;
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) / RATE).collect();
         // more samples than a group has lanes; the first one is at the start of the record
@@ -357,7 +357,8 @@ mod tests {
             let (above, below) = (response(*place, 1e-6), response(*place, -1e-6));
             for (k, by) in column.iter().enumerate() {
                 let difference = (above[k] - below[k]) / 2e-6;
-                // at rest F is proportional to h^κ, and the error of the difference to h^(κ - 1)
+                // tolerance: at rest F is proportional to h^κ for a change h of the sample, and the
+                // error of the difference quotient to h^(κ - 1)
                 assert!(
                     (by - difference).abs() < 1e-6,
                     "{place} {k}: {by} {difference}"

@@ -8,8 +8,9 @@ use crate::interpolation::Quintic;
 ///
 /// The first level does not depend on the length of a step. A front therefore enters the grid at
 /// the same fraction of a step for any modulus. After a jump, the error of a march is of first
-/// order in the step and changes with that fraction: with levels from time 0, the misfit of a sharp
-/// impact oscillates with E by one unit of χ², with a period of one step in the latest arrival.
+/// order in the step and changes with that fraction: with levels counted from time 0, the misfit of
+/// a sharp impact oscillates with E by one unit of χ², with a period of one step in the latest
+/// arrival.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TimeLevels {
     begin: f64,

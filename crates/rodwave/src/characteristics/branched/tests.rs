@@ -68,8 +68,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     norm(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
-/// The line solver has cells instead of nodes, stores the excess of the spring too, and has its
-/// ends half a cell away from the nearest centre.
+/// Compares the response with that of the line solver, which has cells instead of nodes, stores the
+/// excess of the spring too, and has its ends half a cell away from the nearest cell centre.
 #[test]
 fn the_response_is_that_of_the_line() {
     let found = problem(norton(), &theta(), 240)
@@ -93,12 +93,12 @@ fn the_response_is_that_of_the_line() {
         .unwrap();
     let run = line.run(step * (1.0 + 1e-9), 1.19e-3, &[]).unwrap();
     let expected = run.ends[1].velocity_at(run.grid.time_step, &times());
-    // both are of second order: with 240 cells the error per sample is a few 1e-4 of 25 m/s
+    // tolerance: both solvers are of second order in the length of their 240 cells
     let difference = distance(&found, &expected) / norm(&expected);
     assert!(difference < 2e-4, "{difference}");
 }
 
-/// A rod without other branches is the rod of the direct problem.
+/// Compares a rod whose only branch is that of the law with [`DirectProblem`].
 #[test]
 fn a_single_branch_has_the_response_of_the_direct_problem() {
     let rod = InelasticRod::new(LENGTH, DENSITY, 3e9, norton()).unwrap();
@@ -119,7 +119,8 @@ fn has_derivatives_of_differences<L: InelasticLaw>(law: &L) {
             .unwrap()
     };
     let shares = [0.2, 0.1, 0.4];
-    // dwᵢ/dx_k = wᵢ (δ_ik - w_k) for the logarithms x of the ratios to the spring
+    // dwᵢ/dx_k = wᵢ (δ_ik - w_k), where x_k is the logarithm of the ratio of share k to the share
+    // of the spring
     let ratios = (0..3).map(|k| {
         let own = |i: usize| if i == k { 1.0 } else { 0.0 };
         Direction::Shares((0..3).map(|i| shares[i] * (own(i) - shares[k])).collect())
@@ -145,7 +146,8 @@ fn has_derivatives_of_differences<L: InelasticLaw>(law: &L) {
         };
         let pairs = at(h).into_iter().zip(at(-h));
         let difference: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2.0 * h)).collect();
-        // as a function of ln E, the interpolation in time has corners
+        // tolerance: the interpolation in time is piecewise and so has corners as a function of ln
+        // E
         let error = distance(derivative, &difference) / norm(&difference);
         assert!(error < 1e-5, "{index}: {error}");
     }
@@ -159,7 +161,7 @@ fn derivatives_are_those_of_differences() {
 
 fn has_samples_of_differences(problem: &BranchedProblem<MaxwellNorton>) {
     let mut samples = samples();
-    // a sample at the start, so that the levels of all marches begin there
+    // the first sample is not zero, so that the levels of all marches begin there
     samples[0] = 1e-9;
     let excitation = SampledHistory::new(&samples, RATE).unwrap();
     let places: Vec<usize> = (0..110).step_by(6).collect();
