@@ -18,7 +18,7 @@ use crate::inelastic::InelasticLaw;
 pub struct Acquisition {
     /// Low-pass filter and sampler of both channels.
     pub recorder: Recorder,
-    /// Number of samples before the impact; the filter needs the history [`Recorder::reach`] ahead.
+    /// Number of samples before the impact; they should cover at least [`Recorder::reach`].
     pub samples_before: usize,
     /// Number of samples from the impact on.
     pub samples_after: usize,
@@ -37,8 +37,8 @@ pub struct VelocityRecord {
     pub excitation: Vec<f64>,
     /// Velocity v_r of the free end [m/s].
     pub response: Vec<f64>,
-    /// The excitation before sampling: band-limited, on a grid eight times finer. A second solver
-    /// can be driven by it, without the interpolation between the samples.
+    /// The excitation before sampling: band-limited, at eight times the sampling rate. A second
+    /// solver can be driven by it, without the interpolation between the samples.
     pub excitation_before_sampling: SampledHistory,
     /// Time \[s\], from the first sample, until which both displacements are within the range of
     /// the transducers.
@@ -88,7 +88,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         check_steps(FINER as f64 * count as f64)?;
         let duration = samples_after as f64 * interval + recorder.reach();
         let history = self.run(cell, duration)?;
-        // entry k of a velocity of the chain is at (k + 1/2) `step`
+        // entry k of a velocity history of the chain is at the time (k + 1/2) `step`
         let filtered = |velocity: &[f64], time: f64| {
             recorder.filtered(velocity, history.step, time - 0.5 * history.step)
         };

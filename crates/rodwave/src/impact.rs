@@ -105,9 +105,9 @@ pub struct ImpactBalance {
     pub energy_dissipated: f64,
 }
 
-/// Ratio of the energies after and before the impact above which a chain counts as unstable. Its
-/// explicit steps create energy without bound if a material relaxes faster than the step. The
-/// staggered grid alone makes the energy vary by some per cent.
+/// Ratio of the energies after and before the impact above which a chain is judged unstable. The
+/// explicit steps of a chain create energy without bound if a material relaxes faster than the
+/// step. The staggered grid alone makes the energy vary by some per cent.
 const MOST_GROWTH: f64 = 2.0;
 
 impl<L: InelasticLaw> ImpactTest<L> {
@@ -140,8 +140,8 @@ impl<L: InelasticLaw> ImpactTest<L> {
             .floor()
             .max(4.0);
         let courant = distance_per_step * striker_cells / self.striker.length;
-        // mirrored, so that its face is also node 0: on its own axis, a velocity towards the rod is
-        // negative
+        // the striker is mirrored, so that its face is also node 0: on its own axis, a velocity
+        // towards the rod is negative
         let mut striker = LumpedRod::new(&striker, striker_cells as usize, courant)?
             .moving_at(-self.striker.velocity);
 
@@ -191,7 +191,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         // an overflow anywhere in a body soon shows in its energy
         if growth.is_nan() || growth > MOST_GROWTH {
             return Err(RodwaveError::NonPhysical {
-                quantity: "energy after the impact over that before",
+                quantity: "energy after the impact over the energy before it",
                 value: growth,
                 expected: "at most 1; use shorter cells for a material that relaxes within a time step",
             });

@@ -49,7 +49,7 @@ pub struct LumpedRod<L> {
     dt: f64,
     velocity: Vec<f64>,
     stress: Vec<f64>,
-    /// F at the last mid-step, the predictor of the next one
+    /// F at the last mid-step, the prediction for the next one
     inelastic_rate: Vec<f64>,
     /// Share of the branch of the law in the modulus, and the stress in it; `None` without a spring
     /// in parallel.
@@ -123,7 +123,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
     }
 
     /// Velocity [m/s] at distance `x` \[m\] from node 0, by cubic interpolation between the nodes;
-    /// NaN at NaN.
+    /// NaN if `x` is NaN.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -138,7 +138,6 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
-        // the index of NaN is 0; the value interpolated there becomes NaN
         let first = (base as usize).max(1) - 1;
         let around = std::array::from_fn(|k| self.velocity[first + k]);
         cubic(around, position - base).value
@@ -245,7 +244,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] if a time is after the end of the excitation,
-    /// [`RodwaveError::NonPhysical`] if a time is not finite or more than 1e9 steps away.
+    /// [`RodwaveError::NonPhysical`] if a time is not finite or is later than 1e9 time steps.
     pub fn free_end_velocity(
         mut self,
         excitation: &dyn VelocityHistory,

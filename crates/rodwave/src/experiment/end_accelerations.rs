@@ -59,10 +59,10 @@ pub const DAMPED_GENERATOR: &str = "end accelerations: chain recursion, damped F
 pub const PERIODIC_GENERATOR: &str =
     "end accelerations: chain recursion, discrete Fourier transform";
 
-/// Largest late level, relative to the peak, of a history that counts as decayed.
+/// Largest late level, relative to the peak, at which a history is judged to have decayed.
 const QUIET: f64 = 1e-3;
 
-/// Number of parts of the period. The last part shows whether the history has decayed.
+/// Number of parts of the period, of which the last is compared with the peak.
 const PARTS_OF_PERIOD: usize = 16;
 
 /// A force or a velocity of finite duration that begins at time 0, known in time and as a
@@ -280,7 +280,8 @@ impl EndAccelerationTest<LaplaceVariable> {
     /// At frequencies where the inertia of the accelerometer exceeds the impedance of the rod, the
     /// transform of a₁ decays like that of the force; without accelerometers it decays like s times
     /// that of the force. Content above the Nyquist frequency causes ringing, which grows as e^{at}
-    /// during the record. Choose an interval much shorter than the force, or a smoothed synthesis.
+    /// during the record (a: damping of the synthesis). Choose an interval much shorter than the
+    /// force, or a smoothed synthesis.
     ///
     /// # Errors
     /// The errors of [`Chain::mobility`] and [`DampedSynthesis::history`].

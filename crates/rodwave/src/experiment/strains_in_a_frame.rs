@@ -241,8 +241,8 @@ impl FrameMember<LaplaceVariable> {
     /// Computes the strain histories under this `excitation` to the accuracy of the `synthesis`,
     /// also for undamped structures.
     ///
-    /// The transforms decay like that of the prescribed force or velocity. Content above the
-    /// Nyquist frequency causes ringing.
+    /// The transforms of the strains decay like the transform of the prescribed force or velocity.
+    /// Content above the Nyquist frequency causes ringing.
     ///
     /// # Errors
     /// The errors of [`Chain::mobility`] and [`DampedSynthesis::history`].
