@@ -135,7 +135,7 @@ pub trait RelaxationFlow {
 #[allow(
     clippy::indexing_slicing,
     reason = "lanes are counted along `stress`, an array of `LANES` as those of the result, and no more than `MAX_PARAMETERS` \
-              parameters are looked at"
+              parameters are read"
 )]
 fn cell_by_cell<F: RelaxationFlow + ?Sized>(
     flow: &F,

@@ -32,7 +32,7 @@ fn integrate<L: InelasticLaw>(law: &L, stress: f64, duration: f64) -> f64 {
     z.exp().copysign(stress)
 }
 
-/// Durations from far below to above the relaxation time at 10 MPa of the laws below (about 1 ms).
+/// Durations from far below to above the relaxation time of the tested laws at 10 MPa (about 1 ms).
 const DURATIONS: [f64; 5] = [1e-8, 1e-6, 3e-5, 4e-4, 2e-3];
 const STRESSES: [f64; 7] = [1e2, -4e4, 1e6, -5e6, 1.2e7, 3e7, -6e7];
 
@@ -55,7 +55,7 @@ pub(super) fn battery<L: InelasticLaw>(law: &L) {
                 );
                 continue;
             }
-            // a fourth-order scheme with steps of 1e-3 of a time constant
+            // tolerance: the integration is of fourth order with steps of 1e-3 of a time constant
             let expected = integrate(law, stress, duration);
             assert!(
                 (relaxed / expected - 1.0).abs() < 1e-9,
@@ -65,8 +65,8 @@ pub(super) fn battery<L: InelasticLaw>(law: &L) {
                 relaxed.abs() <= stress.abs() && relaxed * stress >= 0.0,
                 "{context}"
             );
-            // two halves equal the whole step: both sides are exact, so only rounding remains
-            // (1e-15 for E1 of 20)
+            // tolerance: two half steps and the whole step are both exact and differ by rounding
+            // only
             let twice = half.relax(half.relax(stress));
             assert!(
                 (relaxed / twice - 1.0).abs() < 2e-13,
@@ -82,7 +82,7 @@ pub(super) fn battery<L: InelasticLaw>(law: &L) {
     }
 }
 
-/// The flow of several cells together equals the flow of each cell.
+/// Compares the flow of several cells together with the flow of each cell.
 fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     let count = L::PARAMETERS.len();
     let flow = law.flow(MODULUS, duration);
@@ -98,7 +98,7 @@ fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     for (lane, &cell) in cells.iter().enumerate() {
         let context = format!("{law:?}, {cell} Pa for {duration} s");
         let exact = flow.relax_with_sensitivity(cell, &mut by_parameter);
-        // two evaluations of one exact flow, each accurate to some 1e-14 of the stress
+        // tolerance: two evaluations of one exact flow, each accurate to some 1e-14 of the stress
         let rounding = 1e-13 * cell.abs();
         assert!(
             (change[lane] - (flow.relax(cell) - cell)).abs() <= rounding,
@@ -114,8 +114,8 @@ fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
                 "{context}: {name} {found}, cell by cell {expected}"
             );
         };
-        // at rest, the derivative of |σ|^κ jumps if κ is just above 1: it is 1 at 0 Pa and e^{-q}
-        // at 1e-300 Pa
+        // at rest, dσ1/dσ0 jumps if κ is just above 1: it is 1 at 0 Pa and e^{-q} at 1e-300 Pa,
+        // where q is the duration over the relaxation time
         if cell != 0.0 {
             close(
                 "by stress",
@@ -136,7 +136,8 @@ fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     }
 }
 
-/// Central differences; their error is of order (1e-4)² times a third derivative of order one.
+/// Compares the derivatives of the flow with central differences, whose error is of order (1e-4)²
+/// times a third derivative of order one.
 fn derivatives<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     const H: f64 = 1e-4;
     let mut by_parameter = vec![0.0; L::PARAMETERS.len()];
@@ -151,8 +152,8 @@ fn derivatives<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     );
     let check = |name: &str, exact: f64, plus: f64, minus: f64| {
         let difference = (plus - minus) / (2.0 * H);
-        // relative to the value or, if the derivative is a small part of the stress, to the
-        // rounding of the stress
+        // tolerance: relative to the value or, if the derivative is a small part of the stress, to
+        // the rounding of the stress
         let scale = exact.abs().max(1e-9 * stress.abs());
         assert!(
             (exact - difference).abs() < 2e-6 * scale + 1e-11 * stress.abs(),

@@ -1,8 +1,8 @@
 //! Branch-free logarithm and exponential of several numbers at once, which the compiler vectorises.
 //!
 //! The relaxation of one step changes a stress by a thousandth or so. A relative error of 1e-14 in
-//! that change is only rounding in the stress. These series have that accuracy at a fraction of the
-//! cost of a call to the mathematical library.
+//! that change is below the rounding of the stress. These series have that accuracy at a fraction
+//! of the cost of a call to the mathematical library.
 
 use super::LANES;
 
@@ -104,7 +104,8 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Computes ln of non-negative numbers, to 1e-14 (relative to 1 near 1); about -709 at zero.
+/// Computes ln of non-negative numbers with an error below 1e-14 times the larger of 1 and |ln x|;
+/// about -709 at zero.
 #[inline(always)]
 pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {
@@ -123,7 +124,7 @@ pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
 #[inline(always)]
 pub(super) fn exp(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {
-        // max and min in this order pass a NaN on
+        // both comparisons are false for a NaN, which is thus passed on
         let x = if x[i] < -708.0 { -708.0 } else { x[i] };
         let x = if x > 709.0 { 709.0 } else { x };
         let rounded = x * std::f64::consts::LOG2_E + ROUNDER;
@@ -149,7 +150,7 @@ mod tests {
             let values: [f64; LANES] =
                 lanes!(|i| x * (1.0 + 0.11 * f64::from(u8::try_from(i).unwrap())));
             for (value, found) in values.iter().zip(ln(&values)) {
-                // a few units of rounding of the result or, near 1, of the argument
+                // tolerance: a few units of rounding of the result or, near 1, of the argument
                 let allowed = 1e-15 * value.ln().abs().max(1.0) * 4.0;
                 assert!((found - value.ln()).abs() < allowed, "ln {value}: {found}");
             }

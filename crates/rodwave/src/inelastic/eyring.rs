@@ -154,7 +154,7 @@ pub struct EyringFlow {
     advance_by_ln_sharpness: f64,
 }
 
-/// Coefficients of tanh(x)/x in x².
+/// Coefficients of tanh(x)/x in powers of x².
 const TANH: [f64; 6] = [
     1.0,
     -1.0 / 3.0,

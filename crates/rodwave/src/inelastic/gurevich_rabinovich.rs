@@ -133,11 +133,11 @@ pub struct GurevichRabinovichFlow {
 const MOST_TERMS: usize = 9;
 
 /// Coefficients of the series y1/y0 - 1 = Σ aⁿ Rₙ(p)/n! with a = q e^p and p = y0. Row n - 1
-/// contains those of Rₙ(p)/n!, starting with the constant.
+/// contains the coefficients of Rₙ(p)/n!, starting with the constant.
 ///
 /// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p, the series tends
 /// to that of -ln(1 + ap)/p: with x = a (1 + |p|), the remainder after N terms is about xᴺ/(N + 1)
-/// of the whole, and less for smaller |p|.
+/// of the sum, and less for smaller |p|.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, which refuses an index out of bounds"
@@ -168,9 +168,9 @@ const SERIES: [[f64; MOST_TERMS]; MOST_TERMS] = {
     series
 };
 
-/// Largest a (1 + |p|) for 5, 7 and 9 terms of the series. Up to this limit, the remainder is below
-/// 2e-13 of the change, which is below 1e-14 of the stress (compared with 30 terms with exact
-/// coefficients, |p| up to 10 000).
+/// Largest a (1 + |p|) for 5, 7 and 9 terms of the series. Up to these limits, the remainder is
+/// below 2e-13 of the change of stress and below 1e-14 of the stress (found by comparison with 30
+/// terms with exact coefficients, for |p| up to 10 000).
 const LIMIT_OF_FIVE: f64 = 3.9e-3;
 const LIMIT_OF_SEVEN: f64 = 2e-2;
 const SERIES_LIMIT: f64 = 4.8e-2;
@@ -207,8 +207,8 @@ fn decrement_by_series(a: f64, p: f64) -> f64 {
 #[cold]
 fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     if y0 < 0.0 {
-        // The viscosity returns to η as the stress relaxes: advance in steps of the series until
-        // the integral can be evaluated.
+        // The viscosity falls to η as the stress relaxes. Steps of the series are made until the
+        // integral can be evaluated.
         if q == f64::INFINITY {
             return q;
         }
@@ -231,7 +231,7 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     }
     if target > E1_OF_ONE {
         // As a function of z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton's method,
-        // started left of the root, rises to it.
+        // started left of the root, approaches it from the left.
         let mut z = -target - EULER_GAMMA;
         // below z = -40, E1 equals -z - γ to the last digit, and e^z eventually underflows
         let most = if z < -40.0 { 0 } else { 60 };
@@ -270,7 +270,8 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
 const LARGEST_ENTIRE: f64 = 40.0;
 
 /// Solves ∫₀^S exp(x e^{-s}) ds = S + Ein(x) - Ein(x e^{-S}) = q for S, with x > 0 and Ein(x) = Σ
-/// xᵏ/(k k!). The integral is concave in S; Newton's method therefore rises to the root.
+/// xᵏ/(k k!). The integral is concave in S; Newton's method, started at 0, therefore approaches the
+/// root from below.
 fn decrement_by_entire_integral(q: f64, x: f64) -> f64 {
     let all = exponential_integral::entire(x);
     let mut decrement = 0.0_f64;
@@ -560,8 +561,8 @@ mod tests {
                     (shrink_by_series::<9>(nine, p), nine),
                 ] {
                     let expected = shrink_by_quadrature(a, p);
-                    // 2e-13 from the truncation of the series and some units of rounding of the
-                    // quadrature
+                    // tolerance: 2e-13 from the truncation of the series, and some units of
+                    // rounding of the quadrature
                     assert!(
                         (found / expected - 1.0).abs() < 2e-13,
                         "p {p}, a {a}: {found} {expected}"
@@ -586,8 +587,8 @@ mod tests {
                 let mut cells = [stress; LANES];
                 cells[LANES - 1] = harder;
                 let together = flow.change(&cells);
-                // twice the largest truncation error of the series, and the rounding of the stress
-                // in cells that are solved one by one
+                // tolerance: twice the largest truncation error of the series, and the rounding of
+                // the stress in cells that are solved one by one
                 let allowed = 4e-13 * alone[0].abs() + 2.0 * f64::EPSILON * stress.abs();
                 for (alone, together) in alone.iter().zip(&together).take(LANES - 1) {
                     assert!(
@@ -602,7 +603,8 @@ mod tests {
     #[test]
     fn a_viscosity_that_grows_with_stress_takes_no_longer() {
         for x in [1e-9, 0.3, 2.0, 15.0, 40.0] {
-            // a step equals its two parts; the second part is far longer than the relaxation
+            // a whole step equals its two parts in sequence; the longest second part lasts for a
+            // million relaxation times
             for (first, second) in [(0.1, 0.4), (0.5, 30.0), (3.0, 1e6)] {
                 let [first, second] = [first, second].map(|q| q * f64::exp(x));
                 let whole = decrement_of_long_step(first + second, -x);
@@ -614,7 +616,7 @@ mod tests {
                 );
             }
         }
-        // some 1e16 relaxation times: the viscosity η alone determines the rate
+        // after 1e16 relaxation times, the viscosity η alone has determined the result
         let far = decrement_of_long_step(1e16, -3.0);
         assert!((far / 1e16 - 1.0).abs() < 1e-15, "{far}");
         assert!(decrement_of_long_step(f64::INFINITY, -3.0).is_infinite());
@@ -622,8 +624,8 @@ mod tests {
 
     #[test]
     fn series_and_exact_relation_agree_at_the_limit_of_the_series() {
-        // Both sides of the switch solve the same equation; E1 itself has an error of 1e-16 of its
-        // value (here at most 30), which is 1e-14 of the smallest S compared.
+        // both solve the same equation; tolerance: the truncation of the series, below 1e-14, and
+        // the rounding of E1
         for y0 in [1e-9, 1e-3, 0.1, 1.0, 4.0, 12.0] {
             let q = SERIES_LIMIT / ((1.0 + y0) * f64::exp(y0));
             let series = decrement_by_series(q * f64::exp(y0), y0);

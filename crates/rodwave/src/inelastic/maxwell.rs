@@ -13,7 +13,7 @@ use crate::error::check_positive;
 /// use rodwave::inelastic::{InelasticLaw, Maxwell, RelaxationFlow};
 ///
 /// let law = Maxwell::new(4e6)?;
-/// // relaxation time η/E = 1.6 ms: after that time the stress has dropped by e
+/// // relaxation time η/E = 1.6 ms: after that time the stress has dropped by a factor e
 /// let relaxed = law.flow(2.5e9, 4e6 / 2.5e9).relax(10e6);
 /// assert!((relaxed - 10e6 * (-1.0_f64).exp()).abs() < 1e-8 * 10e6);
 /// # Ok::<(), rodwave::RodwaveError>(())

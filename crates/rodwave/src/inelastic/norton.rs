@@ -163,7 +163,8 @@ impl NortonFlow {
         }
     }
 
-    /// Returns true if κ > 1 and (σ0/σ_ref)^{κ-1} or its factor is outside the range of a double.
+    /// Returns true if κ > 1 and n a, with the power (σ0/σ_ref)^{κ-1} in a, is above the range of a
+    /// double.
     #[inline]
     fn overflows(&self, a: f64) -> bool {
         self.excess > 0.0 && self.advance > 0.0 && self.excess * a == f64::INFINITY
@@ -383,7 +384,8 @@ impl RelaxationFlow for NortonFlow {
         if stress == 0.0 {
             return RelaxedStress {
                 stress: 0.0,
-                // E h F'(0) is 0 for κ > 1 and E h r/σ_ref for κ = 1; for κ < 1 the stress is zero
+                // E h F'(0) is 0 for κ > 1 and E h r/σ_ref for κ = 1; for κ < 1 a small stress
+                // vanishes within the step
                 by_stress: if self.excess > 0.0 {
                     1.0
                 } else if self.excess < 0.0 {
