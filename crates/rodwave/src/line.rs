@@ -33,7 +33,7 @@
 //! contact with respect to ln Eᵢ and all parameters of all laws ([`Line::parameters`]). A modulus
 //! changes impedances, shares of branches, relaxation, and the wave speed. On a fixed grid, the
 //! change of the wave speed shifts the waves by ∓½ c dt ∂/∂x per step, which is computed by
-//! differences of second order in the cell. The derivative with respect to ln E is therefore
+//! differences of second order in the cell length. The derivative with respect to ln E is therefore
 //! accurate to second order; the derivatives with respect to the parameters of the law are the
 //! exact derivatives of the scheme. Where a contact opens or closes, the derivative assumes a fixed
 //! sequence of open and closed states.
@@ -343,7 +343,8 @@ impl Line {
         Diagram::record(march, places, duration, stride)
     }
 
-    /// Returns the body and the centre \[m\] of every cell, including the gaps at the start.
+    /// Returns the body of every cell and the position \[m\] of its centre, with the gaps at the
+    /// start.
     fn places(&self, grid: &Grid) -> Vec<(usize, f64)> {
         let mut places = Vec::with_capacity(grid.cells.iter().sum());
         let mut counts = grid.cells.iter();

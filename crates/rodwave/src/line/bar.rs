@@ -10,9 +10,9 @@
 //! Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0; the part of the waves is ρ(R² + L²)/4.
 #![allow(
     clippy::indexing_slicing,
-    reason = "flows, moduli, fractions and the rows of `block`, `scratch` and every tangent are one a branch (those of the excess too, or \
-              none for a single branch), waves and rows of the excess one value a cell, and a block from `first` has `count` cells \
-              left; a segment has four cells or more by its grid"
+    reason = "there is one flow, modulus, fraction and row of `block`, `scratch` and every tangent per branch (rows of the excess too, or \
+              none for a single branch); waves and rows of the excess have one value per cell; a block from `first` has `count` \
+              cells left; a segment has four cells or more by its grid"
 )]
 
 use super::branch::{BranchFlow, Waves};
@@ -281,7 +281,7 @@ impl Bar {
         }
     }
 
-    /// Computes dσ before the change, and the derivative of the change of σ, with respect to one
+    /// Computes the derivatives of σ before the change and of the change of σ with respect to one
     /// parameter, for the current block.
     #[inline(always)]
     pub(super) fn tangent_changes(

@@ -9,7 +9,7 @@ use crate::RodwaveError;
 use crate::error::{check_finite, check_steps};
 use crate::inelastic::LANES;
 
-/// Largest number of values of one quantity: a gigabyte.
+/// Largest number of values of one quantity, which then takes a gigabyte.
 const MOST_VALUES: usize = 1 << 27;
 
 /// Histories of every cell of a [`Line`](super::Line).

@@ -5,9 +5,10 @@ use crate::inelastic::LANES;
 
 /// Section of a body, stated by its distance from the left end of that body.
 ///
-/// The values between the centres of cells are interpolated by a cubic. It rings for some cells
-/// around a jump, and it extrapolates within half a cell of an end of a segment. For values at the
-/// ends of a line, prefer [`LineHistory::ends`](super::LineHistory::ends), which are exact there.
+/// The values between the centres of cells are interpolated by a cubic. The interpolation rings for
+/// some cells around a jump, and it extrapolates within half a cell of an end of a segment. For
+/// values at the ends of a line, prefer [`LineHistory::ends`](super::LineHistory::ends), which are
+/// exact there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gauge {
     /// Index of the body, from 0 at the left.
@@ -43,7 +44,7 @@ pub(super) struct GaugeState {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "`first` leaves `STENCIL` cells of the bar, whose grid has so many at least; a bar has a tangent for each parameter, and \
+    reason = "`first` leaves `STENCIL` cells of the bar, which has at least that many; a bar has a tangent for each parameter, and \
               `STENCIL` is below `LANES`"
 )]
 impl GaugeState {

@@ -10,7 +10,8 @@ const FEWEST_CELLS: f64 = 4.0;
 /// cells.
 pub(super) const DEFAULT_SPEED_TOLERANCE: f64 = 1e-3;
 
-/// Largest refinement of the grid, relative to the requested one, in the search for whole numbers.
+/// Largest refinement of the grid, relative to the requested one, in the search for whole numbers
+/// of cells.
 const LARGEST_REFINEMENT: f64 = 64.0;
 
 /// A time step and the numbers of cells of the segments.

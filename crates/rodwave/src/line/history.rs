@@ -57,9 +57,9 @@ pub struct ContactHistory {
     /// Times \[s\] at which the gap closes, resolved within a step. Faces that touch at rest close
     /// at the start of the step of their first force.
     pub closes: Vec<f64>,
-    /// Times \[s\] at which the faces separate: the zero between the last force and the tension
-    /// that would hold them together. The error is of second order in the step for a force
-    /// that falls smoothly, and up to half a step for one that jumps.
+    /// Times \[s\] at which the faces separate: the zero, by linear interpolation, between the last
+    /// force and the tension that would hold the faces together. The error is of second order in
+    /// the step for a force that falls smoothly, and up to half a step for one that jumps.
     pub opens: Vec<f64>,
 }
 

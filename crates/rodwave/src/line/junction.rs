@@ -75,8 +75,8 @@ impl Junction {
                 contact.closed = free_gap < 0.0;
                 turn = match (was_closed, contact.closed) {
                     (false, true) => Some(contact.gap / (contact.gap - free_gap)),
-                    // time of the zero between the last force and the tension that would hold the
-                    // faces together, both at the middle of their steps
+                    // zero, by linear interpolation, between the last force and the tension that
+                    // would hold the faces together, both at the middle of their steps
                     (true, false) => {
                         let pull = separation / compliance;
                         Some(contact.last / (contact.last + pull) - 0.5)

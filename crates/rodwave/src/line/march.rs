@@ -37,7 +37,7 @@ pub struct March {
 
 #[allow(
     clippy::indexing_slicing,
-    reason = "a line has a segment at least, the grid a number of cells and the march a bar for each; between neighbours lies one \
+    reason = "a line has at least one segment; for each, the grid has a number of cells and the march a bar; between neighbours is one \
               junction, with one encounter; bars, encounters and ends have a tangent for each parameter, and `locate` names a segment"
 )]
 impl March {
