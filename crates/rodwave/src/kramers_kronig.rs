@@ -80,8 +80,8 @@
 //!
 //! # Limitations
 //! A causal material that resonates is not a relaxing one and is reported as not causal; polymers
-//! do not resonate in this way. Over a narrow band, some causal material has almost any given
-//! values, and noise can hide the remaining difference.
+//! do not resonate in this way. Over a narrow band, almost any values are those of some causal
+//! material, and noise can hide the remaining difference.
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
@@ -109,12 +109,12 @@ const FASTEST: f64 = 1e-2;
 /// Slowest relaxation time of the grid, as a multiple of the period/2π of the lowest frequency.
 const SLOWEST: f64 = 1e4;
 
-/// Rounding error of the least-squares problem, relative to |E|, with a margin: sums of some
+/// Rounding error of the least-squares problem, relative to |E|, with a margin. The sums have some
 /// hundred terms.
 const ROUNDING: f64 = 1e-10;
 
 /// Largest [`LossError::decrease`] that is attributed to noise: three standard deviations. The
-/// decrease is twice that of the sum of squares when a factor on all losses is also fitted.
+/// decrease is twice the decrease of the sum of squares when a factor on all losses is also fitted.
 pub const LARGEST_DECREASE: f64 = 9.0;
 
 /// Prior standard deviation of a factor on all losses.
@@ -257,8 +257,9 @@ impl KramersKronig {
     /// min Σ |E - Σ ξ_s δE_s - E_causal|²/σ² + ½ Σ ξ_s²
     /// ```
     ///
-    /// and the residual is the root of the minimum over n. For the true material and the true
-    /// errors, its mean is 1 + S/2n with S errors; the threshold includes this.
+    /// and the residual is the square root of the minimum divided by the number n of lines. For the
+    /// true material and the true errors, the mean of its square is 1 + S/(2n), where S is the
+    /// number of common errors; the threshold includes this.
     ///
     /// # Errors
     /// The errors of [`Self::of_measured_modulus`]; [`RodwaveError::LengthMismatch`] and
@@ -317,7 +318,8 @@ impl KramersKronig {
         )
     }
 
-    /// Finds the nearest material in units of `scale`, in which the values scatter by `scatter`.
+    /// Finds the material that is nearest to the values in units of `scale`. In these units the
+    /// standard error of each value is `scatter`.
     #[allow(
         clippy::indexing_slicing,
         reason = "the vector of a common error has been refused unless it has one entry per line"
@@ -384,7 +386,8 @@ impl KramersKronig {
         );
         let has_loss = loss.iter().any(|loss| *loss > 0.0);
         let loss_error = (with_loss_error && scatter > 0.0 && has_loss).then(|| {
-            // in units of the noise: with common errors, the noise is the scale
+            // in units of the noise; with a standard error for each line, the scale is the noise
+            // and `scatter` is 1
             let by_noise = |values: &[f64]| values.iter().map(|v| v / scatter).collect::<Vec<_>>();
             let mut vectors = common.vectors().to_vec();
             vectors.push(by_noise(&loss));

@@ -16,14 +16,15 @@
 //! | [`GeneralisedMaxwell`] | E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ) | E∞ | E∞ + Σ Eᵢ | yes | yes | yes |
 //! | [`SpringPot`] | Eᵣ (s/ωᵣ)^α | 0 | ∞ | yes | yes | yes |
 //! | [`ConstantQ`] | E₀ (s/ω₀)^{2g}, g = (1/π) atan tan δ | 0 | ∞ | yes | yes | yes |
+//! | [`FractionalMaxwell`] | E₁ (sτ)^α/(1 + (sτ)^α) | 0 | E₁ | yes | yes | yes |
 //! | [`FractionalZener`] | E₀ + (E₁ - E₀) (sτ)^α/(1 + (sτ)^α) | E₀ | E₁ | yes | yes | yes |
 //! | [`HavriliakNegami`] | E₁ - (E₁ - E₀)/(1 + (sτ)^α)^β | E₀ | E₁ | yes | yes | no |
 //! | [`HeldTable`] | monotone interpolation of a [`Tabulated`] modulus | E' of the first line | last line | no | no | no |
 //! | [`PowerLawPropagation`] | from γ = a ω^p + i b ω^q and the density | the limit, mostly 0 | | no | of γ | no |
 //!
-//! The last four columns state whether a law implements the traits [`ComplexModulus`],
-//! [`LaplaceModulus`], [`DifferentiableModulus`] and [`TimeDomainModulus`]. (In a Prony series, E∞
-//! is the equilibrium modulus for t → ∞.)
+//! The last three columns state whether a law implements the traits [`LaplaceModulus`],
+//! [`DifferentiableModulus`] and [`TimeDomainModulus`]. (In a Prony series, E∞ is the equilibrium
+//! modulus for t → ∞.)
 //!
 //! The last law is a fit to measured waves. Without a density, it has no modulus; it is therefore
 //! not a [`ComplexModulus`]. Like every `ComplexModulus`, it is a

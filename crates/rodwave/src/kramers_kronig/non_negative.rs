@@ -273,15 +273,15 @@ pub(super) fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Columns of length 1 without negative entries have a sum of entries of at least 1: |x*|₁ <=
-    /// |A x*|₁ <= √m |b|.
+    /// Creates a problem with the bound |x*|₁ <= |A x*|₁ <= √m |b|: a column of length 1 without
+    /// negative entries has a sum of entries of at least 1.
     fn problem(columns: Vec<Vec<f64>>, target: Vec<f64>) -> NonNegativeProblem {
         let largest_sum = (target.len() as f64).sqrt() * length(&target);
         NonNegativeProblem::new(columns, target, largest_sum)
     }
 
-    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker. They
-    /// are tested on a problem whose unconstrained optimum has negative coefficients.
+    /// Checks the conditions of Karush, Kuhn and Tucker, which only the optimum satisfies, on a
+    /// problem whose unconstrained optimum has negative coefficients.
     #[test]
     fn solution_satisfies_the_optimality_conditions() {
         let columns: Vec<Vec<f64>> = (0..12)
@@ -295,14 +295,15 @@ mod tests {
             subtract(&mut rest, *amount, column);
         }
         assert!((length(&rest) - solution.residual).abs() < 1e-14);
-        // TOLERANCE: the squared residual is within 1 % of its optimum, the residual within
-        // slightly more than 0.5 %.
+        // By `TOLERANCE`, the squared residual is within 1 % of its optimum, and the residual
+        // within slightly more than 0.5 %.
         assert!(solution.residual_lower_bound <= solution.residual);
         assert!(solution.residual_lower_bound > 0.994 * solution.residual);
         for (column, amount) in columns.iter().zip(&solution.coefficients) {
             let gradient = dot(column, &rest);
             assert!(*amount >= 0.0);
-            // Rounding of the orthogonalisation: 20 terms, condition of the columns up to 1e3.
+            // Tolerance: rounding of the orthogonalisation, with 20 terms and a condition number of
+            // the columns of up to 1e3.
             assert!(gradient < 1e-10, "{gradient:e}");
             assert!(*amount == 0.0 || gradient.abs() < 1e-10, "{gradient:e}");
         }
@@ -310,7 +311,7 @@ mod tests {
         assert!(solution.coefficients.contains(&0.0));
     }
 
-    /// A target inside the cone is reached, and the bound is then 0.
+    /// Checks that a target inside the cone is reached.
     #[test]
     fn target_inside_the_cone_is_reached() {
         let columns = vec![

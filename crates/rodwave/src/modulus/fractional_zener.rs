@@ -157,8 +157,7 @@ impl TimeDomainModulus for FractionalZener {
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         let ratio = self.step.unrelaxed / self.step.relaxed;
-        // computes ((t/τ)(E0/E1)^{1/α})^α without the retardation time, which overflows for small α
-        // α, is not computed
+        // (t/τ_c)^α = (t/τ)^α E₀/E₁, without τ_c, which overflows for small α
         let power = (after_step(time)? / self.relaxation_time).powf(self.exponent) / ratio;
         let decay = fractional_decay_of_power(self.exponent, power)?;
         finite_compliance((1.0 - (1.0 - 1.0 / ratio) * decay) / self.step.relaxed)

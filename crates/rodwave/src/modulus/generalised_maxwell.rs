@@ -50,7 +50,7 @@ impl GeneralisedMaxwell {
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless E∞ is finite and not negative, all moduli and times of
-    /// the branches are finite and above 0, and there is a spring or a branch at least.
+    /// the branches are finite and above 0, and there is at least a spring or a branch.
     pub fn new(
         equilibrium_modulus: f64,
         branches: Vec<MaxwellBranch>,

@@ -161,8 +161,7 @@ fn slope_at_end(end: Interval, next: Option<&Interval>) -> f64 {
 mod tests {
     use super::*;
 
-    /// A parabola on one side of its vertex: its slopes at the ends are exact, those at inner
-    /// points second-order accurate.
+    /// Compares interpolations of an exponential function at two spacings.
     #[test]
     fn error_falls_with_the_third_power_of_the_spacing() {
         let error = |n: u32| -> f64 {
@@ -174,8 +173,8 @@ mod tests {
                 .map(|x| (cubic.value(x) - x.exp()).abs())
                 .fold(0.0, f64::max)
         };
-        // Slopes of second order give values of third order: halving the spacing reduces the error
-        // by a factor 8, or 16 where errors cancel.
+        // Tolerance: slopes of second order give values of third order, and halving the spacing
+        // reduces the error by a factor 8, or 16 where errors cancel.
         let (coarse, fine) = (error(20), error(40));
         assert!(
             (7.0..18.0).contains(&(coarse / fine)),
@@ -190,12 +189,13 @@ mod tests {
         for j in 1..200 {
             let x = 0.01 * f64::from(j) + 1.3e-3; // never within h of a point
             let difference = (cubic.value(x + h) - cubic.value(x - h)) / (2.0 * h);
-            // Truncation h²/6 times a third derivative below 1e3: 2e-8; rounding 1e-16/h = 1e-11.
+            // Tolerance: truncation h²/6 times a third derivative below 1e3, 2e-8; rounding 1e-16/h
+            // = 1e-11.
             assert!((cubic.slope(x) - difference).abs() < 1e-7, "{x}");
         }
     }
 
-    /// Data with steps and plateaux, where a spline overshoots.
+    /// Checks data with steps and plateaux, where a spline overshoots.
     #[test]
     fn nothing_lies_outside_the_two_points_of_an_interval() {
         let x = [0.0, 1.0, 1.1, 2.0, 5.0, 5.5, 7.0];
@@ -205,7 +205,7 @@ mod tests {
             let (low, high) = (y[0].min(y[1]), y[0].max(y[1]));
             for j in 0..=100 {
                 let value = cubic.value(x[0] + 0.01 * f64::from(j) * (x[1] - x[0]));
-                // Rounding of three products: 4e-16.
+                // Tolerance: rounding of three products, 4e-16.
                 assert!(value >= low - 1e-15 && value <= high + 1e-15, "{value}");
             }
         }

@@ -89,7 +89,7 @@ impl PronyStandIn {
     /// would be negative.
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "a handful of branches a decade over the decades that f64 has"
+        reason = "the number of branches is limited before the casts"
     )]
     pub fn new(
         law: &impl CutPlaneModulus,
@@ -223,7 +223,7 @@ mod tests {
         to: 3e5,
     };
 
-    /// The spectrum of a power law has a closed form: E₀ ω₀^{-a} x^a sin(πa)/π.
+    /// Compares the spectrum of a power law with its closed form, E₀ ω₀^{-a} x^a sin(πa)/π.
     #[test]
     fn spectrum_of_a_power_law_is_the_known_one() {
         let exponent = 0.3;
@@ -234,8 +234,8 @@ mod tests {
         }
     }
 
-    /// The integral of a Cole-Cole spectrum is the part that relaxes: Σ Eᵢ → E₁ - E₀ over many
-    /// decades.
+    /// Checks that, over many decades, the branches add up to E₁ - E₀, the integral of the
+    /// spectrum.
     #[test]
     fn branches_of_a_fractional_zener_law_add_up_to_what_relaxes() {
         let law = FractionalZener::new(1e9, 3e9, 1e-4, 0.6).unwrap();
@@ -245,10 +245,11 @@ mod tests {
         };
         let series = PronyStandIn::new(&law, wide, 3.0).unwrap();
         let sum: f64 = series.law().branches().iter().map(|b| b.modulus).sum();
-        // the rates beyond 14 decades on either side contribute 10^{-0.6 × 14} of the sum
+        // tolerance: the rates beyond 14 decades on either side contribute 10^{-0.6 × 14} of the
+        // sum
         assert!((sum / 2e9 - 1.0).abs() < 1e-6, "{sum:e}");
         assert!((series.law().equilibrium_modulus() / 1e9 - 1.0).abs() < 1e-6);
-        // bound 2π H exp(-π²/h), with H at most 0.3 of E here
+        // tolerance: the error is below 2π H exp(-π²/h), with H at most 0.3 of E here
         assert!(series.greatest_error() < 1e-5);
     }
 

@@ -56,8 +56,8 @@ pub(super) fn finite_compliance(compliance: f64) -> Result<f64, RodwaveError> {
 /// Computes the decay of fractional relaxation from 1 to 0, E_α(-(t/τ)^α) with the Mittag-Leffler
 /// function E_α, for 0 < α <= 1.
 ///
-/// For α = 1 it is e^{-t/τ}. The absolute error of the library is a few 1e-15 of the value 1 at t =
-/// 0, which suffices for a solid with E₀ > 0.
+/// For α = 1 it is e^{-t/τ}. The absolute error of the library's function is a few 1e-15, compared
+/// with the value 1 at t = 0, which suffices for a solid with E₀ > 0.
 pub(super) fn fractional_decay(exponent: f64, time_ratio: f64) -> Result<f64, RodwaveError> {
     fractional_decay_of_power(exponent, time_ratio.powf(exponent))
 }
@@ -85,8 +85,8 @@ pub(super) fn fractional_decay_of_power(exponent: f64, power: f64) -> Result<f64
 mod tests {
     use super::*;
 
-    /// E_α(-x) → 1/(x Γ(1-α)) for x → ∞: the first term of the asymptotic series. The second term
-    /// is smaller by the factor x.
+    /// Compares E_α(-x) at large x with 1/(x Γ(1-α)), the first term of its asymptotic series, and
+    /// checks the limits. The second term is smaller by the factor x.
     #[test]
     fn decay_has_its_algebraic_tail_and_its_limits() {
         for exponent in [0.05, 0.3, 0.5, 0.8, 0.99] {
