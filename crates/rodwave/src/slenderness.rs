@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | elementary, [`medium`](crate::medium) | no lateral inertia | E' within 1 % for λ > 11D at ν = 1/2, for λ > 9D at 0.4 |
 //! | [`LoveRayleigh`] | lateral motion as in statics | E' within 1 % for λ > 3.2D; any section |
-//! | [`MindlinHerrmann`] | two degrees of freedom per section | for comparison: see there |
+//! | [`MindlinHerrmann`] | two degrees of freedom per section | for comparison only |
 //! | [`PochhammerChree`] | an infinitely long, homogeneous, isotropic cylinder | everywhere |
 //!
 //! All theories except the elementary one implement [`RodTheory`], in both directions: the
@@ -32,7 +32,7 @@
 //! let corrected = PochhammerChree::new(rod)?.modulus(measured, omega)?.found().expect("the first branch");
 //! assert!((apparent.re / corrected.modulus.re - 0.968).abs() < 1e-3); // one-dimensional theory is 3 % low
 //!
-//! // ν is known to ± 0.02: the correction of 3 % is uncertain by 2 × 0.02/0.40 of itself.
+//! // ν is known to ± 0.02: the relative error of the correction of 3 % is 2 × 0.02/0.40.
 //! let error = corrected.standard_error(0.02)?;
 //! assert!((error.storage_modulus / corrected.modulus.re - 0.0030).abs() < 1e-4);
 //! # Ok::<(), rodwave::RodwaveError>(())

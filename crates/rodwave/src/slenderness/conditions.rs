@@ -95,8 +95,8 @@ impl Slenderness {
 mod tests {
     use super::*;
 
-    /// A wavelength at a limit does not meet the condition, as printed: λ "should exceed" 5D and
-    /// "be less than" 5L.
+    /// Checks that a wavelength at a limit does not meet the condition, as printed: λ "should
+    /// exceed" 5D and "be less than" 5L.
     #[test]
     fn conditions_are_strict() {
         let wave_number = std::f64::consts::TAU / 0.5;

@@ -116,7 +116,7 @@ fn entire_bessel<const N: usize>(argument: Complex64) -> Option<[Complex64; N]> 
 mod tests {
     use super::*;
 
-    /// Values of exp(-|Im z|) Jₙ(z), n = 0...3, by mpmath 1.3.0 with 40 digits.
+    /// Compares with values of exp(-|Im z|) Jₙ(z), n = 0...3, by mpmath 1.3.0 with 40 digits.
     #[test]
     fn bessel_functions_are_those_of_mpmath() {
         type Parts = (f64, f64);
@@ -191,21 +191,23 @@ mod tests {
             for (n, (value, reference)) in (0..).zip(found.iter().zip(references)) {
                 let reference = Complex64::new(reference.0, reference.1);
                 let error = (value * z.powi(n) - reference).norm() / reference.norm();
-                // rounding of z² and √ at |z| = 40 changes the phase by 40 eps; the functions
-                // themselves are accurate to 1e-15
+                // tolerance: rounding of z² and √ at |z| = 40 changes the phase by 40 eps; the
+                // functions themselves are accurate to 1e-15
                 assert!(error < 2e-14, "J{n}({z}): {error:e}");
             }
         }
     }
 
-    /// The functions agree on both sides of the switch to the limit.
+    /// Checks that the functions agree on both sides of the limit below which only the first term
+    /// of their series is used.
     #[test]
     fn small_arguments_need_no_division() {
         let above: [Complex64; 4] = entire_bessel(1.01e-16.into()).unwrap();
         let below: [Complex64; 4] = entire_bessel(0.99e-16.into()).unwrap();
         let at_zero: [Complex64; 4] = entire_bessel(Complex64::ZERO).unwrap();
         for n in 0..4 {
-            // Jₙ of the library computes zⁿ from a logarithm, which costs n |ln z| = 55 roundings
+            // tolerance: Jₙ of the library computes zⁿ from a logarithm, which costs n |ln z| = 55
+            // roundings
             let jump = (above[n] / below[n] - 1.0).norm();
             assert!(jump < 2e-14, "J{n}: {jump:e}");
             assert_eq!(below[n], at_zero[n]);
@@ -236,15 +238,15 @@ mod tests {
             let left = value(bar - db, wave - dk, nu - dnu);
             let first = (right - left) / (2.0 * h);
             let second = (right - 2.0 * jet.value + left) / (h * h);
-            // truncation h² times third and fourth derivatives of order 10; rounding eps/h² = 2e-8
-            // in the second
+            // tolerance: truncation h² times third and fourth derivatives of order 10; rounding
+            // eps/h² = 2e-8 in the second
             assert!((jet.first - first).norm() < 1e-6, "{variable:?}");
             assert!((jet.second - second).norm() < 1e-5, "{variable:?}");
         }
     }
 
-    /// The equation is regular at p = 0, q = 0 and ν = 1/2, where its textbook form has a branch
-    /// point, a trivial root or an infinite λ.
+    /// Checks that the equation is regular at p = 0, q = 0 and ν = 1/2, where its textbook form has
+    /// a branch point, a trivial root or an infinite λ.
     #[test]
     fn equation_is_regular_where_p_or_q_vanish() {
         let nu = 0.3;
@@ -257,8 +259,8 @@ mod tests {
                 scale.exp() * equation.along(Variable::Wave).value
             };
             let (left, middle, right) = (at(wave - 1e-4), at(wave), at(wave + 1e-4));
-            // h² times the second derivative, of order 1; with a singularity like a root, h^½ =
-            // 1e-2 would remain
+            // tolerance: h² times the second derivative, of order 1; with a singularity like a
+            // root, h^½ = 1e-2 would remain
             assert!((middle - 0.5 * (left + right)).norm() < 1e-7);
             assert!(middle.norm() > 1e-2); // q = 0 is no root
         }

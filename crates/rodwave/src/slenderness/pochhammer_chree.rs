@@ -35,7 +35,8 @@ const REACH: f64 = 0.2;
 /// Largest correction of the prediction by Newton's iteration as a fraction of the clearance.
 const CORRECTION_REACH: f64 = 0.1;
 
-/// Relative tolerance for a return to the start of the path; other branches are much further away.
+/// Relative tolerance of the K that a modulus gives on the first branch, compared with the K from
+/// which the modulus was found. The K of other branches differ by far more.
 const CLOSURE: f64 = 1e-6;
 
 /// Largest number of Newton steps at one point. Within `CORRECTION_REACH` three or four suffice.
@@ -67,7 +68,7 @@ const MOST_NEWTON_STEPS: usize = 8;
 /// elementary theory, which crosses the second branch at ka = 1.841; for small ν > 0 the two
 /// branches veer apart there, and the loss of a nearly elastic modulus determines the course of the
 /// first branch. If the course cannot be determined, the result is [`FirstBranch::Left`]. The same
-/// holds beyond ka = 85, λ = D/27, where the path is too long.
+/// applies beyond ka = 85, λ = D/27, where the path is too long.
 ///
 /// The roots are branches of one analytic function. For short waves and high losses, two moduli may
 /// have the same γ, each on its first branch; [`RodTheory::modulus`] then returns the one that is
@@ -173,13 +174,14 @@ struct Point {
     by_poisson_ratio: Complex64,
     /// Estimated distance to another branch at constant `given`.
     root_clearance: f64,
-    /// Estimated distance to another branch at constant `root`; where a branch crosses, this is the
-    /// smaller distance.
+    /// Estimated distance to another branch at constant `root`; where another branch crosses, this
+    /// is the smaller distance.
     given_clearance: f64,
 }
 
 impl Point {
-    /// Returns the larger of the two changes, relative to the clearance.
+    /// Returns the larger of the changes of the root and of the given variable, each relative to
+    /// its clearance.
     fn reach(&self, root_change: Complex64, given_change: Complex64) -> f64 {
         let along_root = root_change.norm() / self.root_clearance;
         along_root.max(given_change.norm() / self.given_clearance)

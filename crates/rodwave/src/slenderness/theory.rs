@@ -156,7 +156,7 @@ impl CorrectedModulus {
     }
 
     /// Returns the standard errors due to the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν|
-    /// δν for E', and the others likewise.
+    /// δν for E', and the corresponding products for E'' and E''/E'.
     ///
     /// To leading order the correction is proportional to ν², and its relative error is 2 δν/ν.
     ///
