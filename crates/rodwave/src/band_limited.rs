@@ -15,10 +15,10 @@ use crate::interpolation::{Interpolated, cubic};
 
 /// Velocity prescribed as a function of time.
 pub trait VelocityHistory: Sync {
-    /// Velocity \[m/s\] at `time` \[s\]; zero before time 0, NaN at a time that is NaN.
+    /// Velocity \[m/s\] at `time` \[s\]; 0 before time 0, NaN if `time` is NaN.
     fn at(&self, time: f64) -> f64;
 
-    /// Time derivative of the velocity [m/s²]; before time 0 and at NaN it behaves as [`Self::at`].
+    /// Time derivative of the velocity [m/s²]; 0 before time 0, NaN if `time` is NaN.
     fn slope(&self, time: f64) -> f64;
 
     /// Time \[s\], not below 0, until which velocity and slope are zero; 0 if this time is not
@@ -31,7 +31,7 @@ pub trait VelocityHistory: Sync {
     fn end(&self) -> f64;
 }
 
-/// Checks that `times` are within the duration of the excitation, and returns the last one.
+/// Checks that `times` are within the duration of the excitation, and returns the latest of them.
 pub(crate) fn check_times(
     times: &[f64],
     excitation: &dyn VelocityHistory,
@@ -48,7 +48,7 @@ pub(crate) fn check_times(
         last = last.max(time);
     }
     let end = excitation.end();
-    // a whole number of sampling intervals may exceed the end by rounding
+    // a time computed as a whole number of sampling intervals may exceed the end by rounding
     if last > end * (1.0 + 1e-12) {
         return Err(RodwaveError::ExcitationTooShort {
             needed: last,
@@ -60,7 +60,7 @@ pub(crate) fn check_times(
 
 /// Windowed sinc kernel: sin(πx)/(πx) under a window that vanishes at |x| = `half_width` samples.
 /// The kernel passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles per sample,
-/// with δ = β/(2π `half_width`) and a ripple of order e^{-β}.
+/// with β = `sharpness`, δ = β/(2π `half_width`) and a ripple of order e^{-β}.
 fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
     let u = x / half_width;
     if u.abs() >= 1.0 {
@@ -84,9 +84,9 @@ fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
 ///
 /// # Accuracy
 /// A sinusoid of amplitude 1 is reproduced between the samples to 2e-5 up to 0.38 of the sampling
-/// rate (checked by a test); the error of a linear interpolation is 0.13 at 0.38 of the rate and
-/// 0.07 at a quarter of it. Content above 0.38 of the rate is not reproduced; the recorder's
-/// anti-aliasing filter must remove it.
+/// rate (checked by a test); the error of a linear interpolation, 1 - cos(πf) at f times the rate,
+/// is 0.63 at 0.38 of the rate and 0.29 at a quarter of it. Content above 0.38 of the rate is not
+/// reproduced; the recorder's anti-aliasing filter must remove it.
 ///
 /// ```
 /// use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -145,8 +145,8 @@ impl pulp::NullaryFnOnce for Interpolation<'_> {
     }
 }
 
-/// Computes all fine points between two samples together; each is the sum over its samples in their
-/// order.
+/// Computes the fine points between each two neighbouring samples together. Every fine point is a
+/// sum over its samples in the order of time.
 #[inline(always)]
 fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
     let fine = fine.as_chunks_mut::<OVERSAMPLING>().0;
@@ -210,8 +210,7 @@ impl SampledHistory {
         fine.drain(..OVERSAMPLING - LEAD);
         fine.truncate(LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD);
         check_samples("interpolated excitation", &fine)?;
-        // number of leading zeros, from which `begin` follows: the last time whose cubic stencil
-        // has only zeros
+        // `begin` is the last fine point whose cubic stencil contains only zeros
         let zeros = fine.iter().take_while(|v| **v == 0.0).count();
         let begin = zeros.saturating_sub(3 + LEAD) as f64 / fine_rate;
         Ok(Self {
@@ -222,8 +221,8 @@ impl SampledHistory {
         })
     }
 
-    /// Index of the fine point before `time`, which must not be NaN, and the position between it
-    /// and the next.
+    /// Index of the fine point before `time`, and the position of `time` between this point and the
+    /// next one, in steps of the fine grid.
     #[inline]
     #[expect(
         clippy::cast_possible_truncation,
@@ -234,11 +233,11 @@ impl SampledHistory {
         let position = time * self.fine_rate + LEAD as f64;
         let last = (self.fine.len() - 3) as f64;
         let index = position.floor().clamp(1.0, last);
-        // for a NaN time the index is 1, and the position stays NaN, which makes the value NaN
+        // a NaN would give the index 1 and a position that is NaN
         ((index as usize).max(1), (position - index).clamp(-1.0, 2.0))
     }
 
-    /// Returns the value and the slope at `time`, the slope per fine point.
+    /// Value and slope at `time`; the slope is per step of the fine grid.
     #[inline]
     fn interpolated(&self, time: f64) -> Interpolated {
         if time >= 0.0 {
@@ -306,7 +305,7 @@ pub struct SamplePulses {
 
 impl SamplePulses {
     /// Prepares the changes due to the samples with these indices, of a history sampled at
-    /// `rate_hz`. The history is not continued beyond its end.
+    /// `rate_hz`. Unlike in [`SampledHistory`], the history is not continued beyond its end.
     ///
     /// # Errors
     /// [`RodwaveError`] if the rate is not positive.
@@ -334,7 +333,8 @@ impl SamplePulses {
         self.samples.is_empty()
     }
 
-    /// Time \[s\] before which a change of the sample at `place` has no effect; it may be negative.
+    /// Time \[s\] before which a change of the sample at `place` (an index into the list of
+    /// samples) has no effect; it may be negative.
     #[must_use]
     pub fn begin(&self, place: usize) -> f64 {
         let sample = self.samples.get(place).copied().unwrap_or(usize::MAX);
@@ -367,7 +367,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Reach of the filter, in samples to either side, for a cut-off at half the sampling rate.
+    /// Reach of the filter, in samples to either side.
     const HALF_WIDTH: f64 = 24.0;
     /// β of the window.
     const SHARPNESS: f64 = 12.0;
@@ -432,7 +432,8 @@ mod tests {
                 let rests = history.at(t) == 0.0 && history.slope(t) == 0.0;
                 assert!(rests || begin == 0.0, "{first}: {t}");
             }
-            // the interpolation reaches 16 samples ahead, with 32 points per sample
+            // the interpolation reaches 16 samples ahead; tolerance: a few of the 32 fine points
+            // per sample
             let expected = (f64::from(first) - 16.0) / rate;
             assert!(
                 (begin - expected.max(0.0)).abs() < 0.2 / rate,
@@ -454,8 +455,8 @@ mod tests {
         }
     }
 
-    /// Direct evaluation as a sum over 16 samples to either side; the record is zero before its
-    /// start and point-symmetric about its end.
+    /// Compares the fine points with direct sums over 16 samples to either side; the record is zero
+    /// before its start and point-symmetric about its end.
     #[test]
     fn fine_points_have_the_digits_of_their_definition() {
         for count in [4_i32, 5, 17, 40] {

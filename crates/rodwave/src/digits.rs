@@ -29,7 +29,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{rounded:.decimals$}")
 }
 
-/// Returns a fraction as text in per cent, with two digits.
+/// Returns a fraction as text in per cent, with two significant digits.
 #[must_use]
 pub fn percent(relative: f64) -> String {
     format!("{} %", significant(100.0 * relative, 2))

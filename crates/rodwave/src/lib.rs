@@ -49,7 +49,7 @@
 //!
 //! # Limitations
 //! * One dimension: lateral inertia is included only in [`slenderness`], as a correction for
-//!   uniform round rods.
+//!   uniform round rods, and in [`BranchedProblem`](characteristics::BranchedProblem).
 //! * No plasticity with memory, damage or heat: the inelastic strain rate depends on the present
 //!   stress only.
 //! * In the time domain, areas are piecewise constant and laws have a finite number of branches;

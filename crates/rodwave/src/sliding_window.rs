@@ -1,7 +1,7 @@
 //! Values that travel along a grid without being copied.
 #![allow(
     clippy::indexing_slicing,
-    reason = "the window is not empty, and window and padding lie in the buffer: they begin at `start`, and both slides go round \
+    reason = "the window is not empty, and window and padding lie in the buffer: they begin at `start`, and both slides copy the window to the other end \
               before they would leave it"
 )]
 
@@ -71,8 +71,8 @@ impl SlidingWindow {
         self.buffer[last] = value;
     }
 
-    /// Returns the blocks with the first `count` values, or with those of the window if there are
-    /// fewer. After the last value of the window, the blocks contain zeros, which must remain zero.
+    /// Returns the blocks that contain the first `count` values; the window must have that many.
+    /// After the last value of the window, the blocks contain zeros, which must remain zero.
     #[inline(always)]
     pub(crate) fn blocks_mut(&mut self, count: usize) -> &mut [[f64; LANES]] {
         let end = self.start + count.next_multiple_of(LANES);
@@ -89,7 +89,7 @@ impl SlidingWindow {
             self.buffer[end..].fill(0.0);
         } else {
             self.start -= 1;
-            // the last value is now in the padding
+            // the former last value is now in the padding
             let end = self.end();
             self.buffer[end] = 0.0;
         }

@@ -17,7 +17,7 @@
 //! use num_complex::Complex64;
 //! use rodwave::synthesis::DampedSynthesis;
 //!
-//! // 2/(s² + 4) is sin 2t, which never dies out
+//! // 2/(s² + 4) is the transform of sin 2t, which does not decay
 //! let synthesis = DampedSynthesis::new(10.0, 1e-3)?;
 //! let transform: Vec<Complex64> = synthesis.arguments().map(|s| 2.0 / (s * s + 4.0)).collect();
 //! let history = synthesis.history(&transform)?;
@@ -47,7 +47,7 @@ pub struct SynthesizedHistory {
     pub start: f64,
     /// Interval between samples \[s\].
     pub interval: f64,
-    /// The samples, in the unit of the transform divided by s.
+    /// The samples; their unit is that of the transform divided by seconds.
     pub samples: Vec<f64>,
 }
 

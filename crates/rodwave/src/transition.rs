@@ -57,7 +57,7 @@ use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::LaplaceModulus;
 use crate::quotient::quotient;
 
-/// Largest αL of one element: e^{700} is just below the largest number.
+/// Largest αL of one element: e^{700} is near the largest double.
 const LARGEST_DAMPING: f64 = 700.0;
 
 /// State of a section.
@@ -205,7 +205,7 @@ impl TransitionMatrix {
         a * d - b * c
     }
 
-    /// Returns the matrix from right to left, computed with a determinant of 1.
+    /// Returns the matrix from right to left, for a determinant of 1.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let [[a, b], [c, d]] = self.entries;

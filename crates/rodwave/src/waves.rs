@@ -69,8 +69,8 @@ pub struct WaveSeparation {
     /// length: the largest amplification of relative errors of the values. It is 1 at best; if it
     /// is infinite, the waves cannot be separated.
     pub condition_number: f64,
-    /// Root of the sum of squares that the two waves do not explain, over the root of the sum of
-    /// squares of the values; 0 for two sections.
+    /// Root of the sum of the squared residuals over the root of the sum of the squared values; 0
+    /// for two sections.
     pub misfit: f64,
 }
 
@@ -122,8 +122,8 @@ impl TravellingWaves {
         check_sections(positions, values)?;
         let mut columns = Columns::of(positions);
         check_coefficient(gamma, columns.reach())?;
-        // the scale cancels in the result, and the squares of very large and very small values
-        // leave the range of a double
+        // very large and very small values are scaled, because their squares would leave the range
+        // of a double; the scale cancels in the result
         let size = values.iter().map(Complex64::l1_norm).fold(0.0, f64::max);
         let size = check_finite("size of the values at the sections", size)?;
         let size = if (1e-140..1e140).contains(&size) || size == 0.0 {
@@ -289,7 +289,8 @@ impl SectionWaves {
     }
 }
 
-/// Square of a wave below which its reciprocal exceeds the range of a double.
+/// Smallest square of a wave by which the product of both waves is divided: with smaller ones, the
+/// quotient may leave the range of a double.
 const SMALL: f64 = 1e-280;
 
 /// The two waves at each section for one γ: e^{-γ(x - x₁)} and e^{-γ(x_n - x)}, both at most 1.
@@ -326,7 +327,7 @@ impl<'a> Columns<'a> {
         self.last - self.first
     }
 
-    /// Computes both waves at `section`; each is 1 where it has its largest weight.
+    /// Computes both waves at `section`: the forward wave is 1 at x₁, the backward wave at x_n.
     fn at(&self, gamma: Complex64, section: f64) -> [Complex64; 2] {
         let whole = match self.rows.first() {
             Some([f, b]) => f * b,
@@ -386,8 +387,8 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// Computes e^{-γx} along two paths whose product is `whole`. Only one exponential is evaluated,
-/// unless it is too small.
+/// Computes e^{-γx} for two distances x, from the product `whole` of both. Only one exponential is
+/// evaluated, unless its square is too small or too large.
 fn both_ways(gamma: Complex64, whole: Complex64, [first, second]: [f64; 2]) -> [Complex64; 2] {
     if first == 0.0 {
         return [Complex64::ONE, whole];
@@ -453,7 +454,7 @@ mod tests {
             let values: Vec<Complex64> = positions.iter().map(|x| known(*x)).collect();
             let found = TravellingWaves::from_sections(GAMMA, &positions, &values).unwrap();
             for x in [-1.0, 0.0, 0.37] {
-                // a few dozen roundings
+                // tolerance: a few dozen roundings
                 assert!((found.waves.at(x) - known(x)).norm() < 1e-13);
             }
             assert!((found.waves.forward_at(0.0) - Complex64::new(2.0, -1.0)).norm() < 1e-13);
@@ -461,8 +462,8 @@ mod tests {
         }
     }
 
-    /// The planned waves are those computed for single lines, also for noise. The plan rejects
-    /// arrays of other sizes.
+    /// Compares the planned waves with those computed for single lines, for irregular values, and
+    /// checks that the plan rejects arrays of other sizes.
     #[test]
     fn planned_waves_are_those_of_single_lines() {
         let gamma: Vec<Complex64> = (0..40)
@@ -501,8 +502,7 @@ mod tests {
         assert!(SectionWaves::new(&[], &[], 0.0).is_err());
     }
 
-    /// The fit is a projection: its residual is orthogonal to both waves, and a change of either
-    /// wave increases it.
+    /// Checks that the residual of the fit is orthogonal to both waves.
     #[test]
     fn the_misfit_is_smallest() {
         let positions = [0.0, 0.11, 0.27, 0.31];
@@ -522,7 +522,7 @@ mod tests {
         }
     }
 
-    /// Sections half a wavelength apart on an undamped rod: only the sum of the waves is
+    /// Checks sections half a wavelength apart on an undamped rod: only the sum of the waves is
     /// determined, and the condition number is infinite.
     #[test]
     fn sections_that_see_both_waves_alike() {
@@ -550,7 +550,7 @@ mod tests {
         assert!((found.waves.backward_at(1.0) - Complex64::I).norm() < 1e-15);
     }
 
-    /// Both directions of the conversion agree (Ödeen 1993, paper E, eq. A15).
+    /// Compares both directions of the conversion (Ödeen 1993, paper E, eq. A15).
     #[test]
     fn waves_and_state_are_the_same() {
         let state = State {

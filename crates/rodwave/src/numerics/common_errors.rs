@@ -1,4 +1,4 @@
-//! Common errors of values, in addition to independent ones.
+//! Common errors of values, in addition to independent errors.
 
 /// Whitening of values with independent errors of unit variance and common errors.
 ///
@@ -95,8 +95,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The whitened length is the minimum over ξ of |r - Σ ξ g|² + Σ ξ², and `sizes` returns the ξ
-    /// of this minimum.
+    /// Checks that the squared length of the whitened residual is the minimum over ξ of |r - Σ ξ
+    /// g|² + Σ ξ², and that `sizes` returns the ξ of this minimum.
     #[test]
     fn common_errors_are_taken_off_where_the_sum_of_squares_is_least() {
         let first = vec![3.0, 1.0, 0.0, -2.0, 0.5];

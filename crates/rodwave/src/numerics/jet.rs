@@ -164,7 +164,7 @@ mod tests {
         let jet = f(gamma);
         let h = 1e-5;
         let (plus, minus) = (f(gamma + h), f(gamma - h));
-        // Truncation: h²/6 of a third derivative of less than 100; rounding 1e-15/h.
+        // Tolerance: truncation h²/6 times a third derivative of less than 100; rounding 1e-15/h.
         assert!(((plus.value - minus.value) / (2.0 * h) - jet.first).norm() < 3e-9);
         assert!(((plus.first - minus.first) / (2.0 * h) - jet.second).norm() < 3e-9);
 

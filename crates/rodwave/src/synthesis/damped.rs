@@ -10,8 +10,8 @@ use crate::error::check_positive;
 /// grows to e^{16} 1e-16 = 1e-9.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
-/// Delay of the contact in standard deviations of the smoothing: only e^{-8²/2} = 1e-14 of a jump
-/// is before time 0.
+/// Time from the start of a smoothed history to time 0, in standard deviations of the smoothing: at
+/// the start, a smoothed jump at time 0 has reached only about e^{-8²/2} = 1e-14 of its height.
 const DELAY: f64 = 8.0;
 
 /// Largest number of samples of a period.
@@ -84,8 +84,8 @@ impl DampedSynthesis {
     /// Convolves the history with a Gaussian of this `standard_deviation` σ \[s\]; the history then
     /// begins at -8σ and includes the rise of a jump at time 0.
     ///
-    /// With a σ of 2.5 intervals, 3e-14 remains at the Nyquist frequency; a smaller σ leaves some
-    /// ringing.
+    /// With a σ of 2.5 intervals, the factor of the Gaussian is 4e-14 at the Nyquist frequency; a
+    /// smaller σ leaves some ringing.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless σ is finite and above 0 and 8σ is less than the
@@ -106,7 +106,7 @@ impl DampedSynthesis {
     /// \omega^2\sigma^2/2`$, instead of $`e^{-z}`$ alone.
     ///
     /// Below $`\omega\sigma = 0.6`$, the history is unsmoothed within $`z^5/120`$ = 2e-6, whereas
-    /// the Gaussian alone reduces it by 17 %. With a σ of 2.5 intervals, 1e-9 remains at the
+    /// the Gaussian alone reduces it by 17 %. With a σ of 2.5 intervals, the factor is 2e-9 at the
     /// Nyquist frequency.
     #[must_use]
     pub fn flat(self) -> Self {

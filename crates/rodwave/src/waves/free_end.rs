@@ -11,8 +11,8 @@ use crate::fourier::RealFourier;
 /// Frequencies between which the spectrum of the waves is reduced to 0, as multiples of the highest
 /// frequency of the propagation coefficients.
 const FALLS: [f64; 2] = [0.75, 1.25];
-/// Length of a transform divided by that of a record, at least, so that waves that are carried
-/// through the bar do not return at the other end of the record.
+/// Smallest ratio of the length of a transform to the length of its record. With this ratio, waves
+/// that leave the record at one end when they are propagated do not re-enter it at the other end.
 const LONGER: usize = 4;
 /// Largest number of samples of a record, whose transforms take some gibibytes.
 const MOST_SAMPLES: usize = 1 << 26;
@@ -209,7 +209,8 @@ impl FreeEndWaves {
                 one_minus_decay(once * passages) / one_minus_decay(once)
             };
         }
-        // after the end of the record the next reflections are missing
+        // after the end of the record, the wave is wrong because later reflections are missing: the
+        // history is cut there
         let along = self.history(&lines, |_| Complex64::ONE)?;
         let lines = self.transformed(&along);
         Ok(IncidentWave { lines, distance })
@@ -231,8 +232,8 @@ impl FreeEndWaves {
     }
 
     /// Returns the waves at the distance `from_end` \[m\] from the free end. Beyond the gauge, the
-    /// wave towards the end is traced back, which amplifies it; it is then limited to the band
-    /// again.
+    /// wave towards the end is traced back, which amplifies it. Both waves are limited to the band
+    /// once more.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for a negative distance, [`RodwaveError::NonFiniteSample`] if
@@ -364,7 +365,7 @@ mod tests {
 
     #[test]
     fn elastic_waves_are_those_of_dalembert() {
-        // uneven lines: γ/f is constant
+        // the spacing of the lines is uneven, and γ/f is the same on all
         let frequency_hz = [300.0, 700.0, 20e3];
         let gamma = frequency_hz.map(gamma);
         let mut bar = FreeEndWaves::new(&frequency_hz, &gamma, N, RATE_HZ).unwrap();
@@ -382,9 +383,9 @@ mod tests {
                 assert!((waves.known_until - until).abs() < 1e-12);
                 for n in (0..N).filter(|n| (*n as f64) < known) {
                     let at = |way: f64| pulses(n as f64 / RATE_HZ - way / SPEED);
-                    // rounding only, because the spectrum of the pulses is e^{-44} where the weight
-                    // of the band begins to decrease; at a gauge near the end, the strain is a
-                    // small difference of two waves
+                    // tolerance: rounding only, because the spectrum of the pulses is e^{-44} where
+                    // the weight of the band begins to decrease; at a gauge near the end, the
+                    // strain is a small difference of two waves
                     let tolerance = 1e-14 * (1.0 + 1.0 / distance);
                     assert!((waves.towards_end[n] - at(way)).abs() < tolerance, "{n}");
                     assert!((waves.from_end[n] + at(back)).abs() < tolerance, "{n}");
@@ -403,7 +404,7 @@ mod tests {
         let strain = bar.strain_at(&wave, 1.0).unwrap();
         let expected = history(|t| pulses(t) - pulses(t - 1e-3));
         let in_band = bar.in_band(&expected).unwrap();
-        // rounding
+        // tolerance: rounding
         for (found, (expected, in_band)) in strain.iter().zip(expected.iter().zip(in_band)) {
             assert!((found - expected).abs() < 3e-14 && (in_band - expected).abs() < 3e-14);
         }
