@@ -47,7 +47,7 @@ pub(crate) fn pushed(line: Line, force: f64) -> Line {
 pub(crate) fn closes(history: &LineHistory) {
     let ledger = history.ledger;
     let energy = ledger.initial_energy + ledger.supplied.abs() + ledger.stored;
-    // thousands of steps, each with a relative rounding error of about 1e-16
+    // tolerance: thousands of steps, each with a relative rounding error of about 1e-16
     assert!(
         ledger.energy_residual().abs() < 1e-11 * energy,
         "{ledger:?}"

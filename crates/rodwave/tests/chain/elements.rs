@@ -14,7 +14,8 @@ fn section(area: f64) -> CrossSection {
     CrossSection::of_area(area).unwrap()
 }
 
-/// Impedance of the polymer per m²; it scales all entries to one order of magnitude.
+/// Characteristic impedance of the polymer per area [Pa s/m], by which all entries are scaled to
+/// one order of magnitude.
 const SPECIFIC_IMPEDANCE: f64 = 1.4e6;
 
 /// Largest difference between entries, in units in which the impedance of a rod of 1 cm² is 1.
@@ -34,8 +35,7 @@ fn size(a: &Entries) -> f64 {
     distance(a, &[[Complex64::ZERO; 2]; 2])
 }
 
-/// Matrices at s = iω are those of ω. Matrices at real s are real: nothing travels, and everything
-/// decays.
+/// Checks that the matrices at s = iω are those at ω, and that the matrices at real s are real.
 #[test]
 fn matrices_at_complex_s() {
     let (thin, thick) = (section(0.7e-4), section(4.5e-4));
@@ -72,8 +72,8 @@ fn matrices_at_complex_s() {
     }
 }
 
-/// Short cones in series between sections of a horn converge to the horn; the error is proportional
-/// to the square of their length.
+/// Checks that short cones in series between sections of a horn converge to the horn, with an error
+/// proportional to the square of their length.
 #[test]
 fn a_horn_is_the_limit_of_short_cones() {
     let horn = Segment::horn(section(0.5e-4), section(4e-4), 0.2).unwrap();
@@ -94,7 +94,7 @@ fn a_horn_is_the_limit_of_short_cones() {
     };
     let (coarse, fine) = (error(20), error(40));
     assert!(fine < 1e-3);
-    // second order: a factor of 4, with a contribution of the next order
+    // second order gives a factor of 4; tolerance: the next order of the error
     assert!((coarse / fine - 4.0).abs() < 0.1, "{coarse} {fine}");
 }
 
@@ -114,7 +114,8 @@ fn volumes_are_those_of_the_shapes() {
         let sum: f64 = (0..steps)
             .map(|k| segment.area_at((f64::from(k) + 0.5) * h).unwrap() * h)
             .sum();
-        // midpoint rule: h²/24 (A'(L) - A'(0)), relative 1e-9 (ln 9)²
+        // tolerance: the error of the midpoint rule is h²/24 (A'(L) - A'(0)), at most 1e-10 (ln 9)²
+        // of the volume
         assert!((segment.volume() / sum - 1.0).abs() < 1e-8);
     }
 }
@@ -128,7 +129,8 @@ fn segment(kind: usize, near: f64, far: f64, length: f64) -> Segment {
     .unwrap()
 }
 
-/// Creates an element of each kind, by the number of the kind, at a frequency.
+/// Returns the matrix of an element of this kind at `omega`: 0 rod, 1 cone, 2 horn, 3 mass, 4
+/// spring, 5 dashpot.
 fn element(kind: usize, near: f64, far: f64, length: f64, omega: f64) -> TransitionMatrix {
     match kind {
         0..3 => {
@@ -155,14 +157,14 @@ fn any_omega() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    /// det P = 1, which expresses reciprocity, and P P⁻¹ = 1.
+    /// Checks that det P = 1, which expresses reciprocity, and that P P⁻¹ = 1.
     #[test]
     fn determinant_and_inverse(
         kind in 0..6usize, near in any_area(), far in any_area(), length in 0.01..0.5f64, omega in any_omega(),
     ) {
         let p = element(kind, near, far, length, omega);
         let [[a, b], [c, d]] = p.entries();
-        // rounding of the products whose difference is the determinant
+        // tolerance: rounding of the products whose difference is the determinant
         let scale = 1.0 + (a * d).norm() + (b * c).norm();
         prop_assert!((p.determinant() - 1.0).norm() < 2e-14 * scale);
         let unity = (p * p.inverse()).entries();
@@ -171,7 +173,7 @@ proptest! {
         prop_assert!(distance(&unity, &one) < bound);
     }
 
-    /// P₁₁ and P₂₂ are exchanged for the reversed element, because v changes its sign twice.
+    /// Checks that P₁₁ and P₂₂ of the reversed element are exchanged.
     #[test]
     fn mirror_image(
         kind in 0..3usize, near in any_area(), far in any_area(), length in 0.01..0.5f64, omega in any_omega(),
@@ -184,8 +186,8 @@ proptest! {
         prop_assert!(distance(&turned, &back) < 1e-12 * size(&back));
     }
 
-    /// The matrices of the two parts of an element, cut at any section, multiply to the matrix of
-    /// the whole (Ödeen 1993, paper E, eq. A9).
+    /// Checks that the matrices of the two parts of an element, cut at any section, multiply to the
+    /// matrix of the whole (Ödeen 1993, paper E, eq. A9).
     #[test]
     fn composition(
         kind in 0..3usize,
@@ -202,14 +204,15 @@ proptest! {
         let second = cut.far.transition_matrix(&medium, omega).unwrap();
         let found = (second * first).entries();
         let expected = whole.transition_matrix(&medium, omega).unwrap().entries();
-        // rounding of the sums in the product, whose terms may be larger than the sums
+        // tolerance: rounding of the sums in the product, whose terms may be larger than the sums
         let terms = size(&first.entries()) * size(&second.entries());
         prop_assert!(distance(&found, &expected) < 2e-12 * (terms + size(&expected)));
         let volumes = cut.near.volume() + cut.far.volume();
         prop_assert!((volumes / whole.volume() - 1.0).abs() < 1e-12);
     }
 
-    /// Low-frequency limit: every segment is a rigid mass and a spring, to the last digits: P₁₁ = P₂₂ = 1, P₁₂ = iωm.
+    /// Checks the low-frequency limit, in which every segment is a rigid mass: P₁₁ = P₂₂ = 1, P₁₂ =
+    /// iωm.
     #[test]
     fn low_frequency(
         kind in 0..3usize, near in any_area(), far in any_area(), length in 0.01..0.5f64,
@@ -218,7 +221,8 @@ proptest! {
         let [[a, b], [_, d]] = element(kind, near, far, length, omega).entries();
         let volume = segment(kind, near, far, length).volume();
         let mass = Complex64::new(0.0, omega * 910.0 * volume);
-        // (γL)² times a ratio of areas up to 300 is below 1e-15; ln and exp of that ratio leave a few more roundings
+        // tolerance: (γL)² times a ratio of areas up to 300 is below 1e-15; ln and exp of the ratio
+        // add a few roundings
         prop_assert!((a - 1.0).norm() < 1e-14 && (d - 1.0).norm() < 1e-14);
         prop_assert!((b / mass - 1.0).norm() < 1e-14);
     }

@@ -13,7 +13,8 @@ use testbed::difference::relative;
 
 use crate::bodies::{aluminium, circle, nylon, polymer};
 
-/// At αL = 1e4 and kL = 1e5, nothing overflows and the mobilities equal closed forms.
+/// Checks that nothing overflows at αL = 1e4 and kL = 1e5, and that the mobilities equal closed
+/// forms.
 #[test]
 fn strong_damping_and_many_waves() {
     let face = circle(0.02);
@@ -54,7 +55,7 @@ fn strong_damping_and_many_waves() {
     assert!(relative(rod.mobility(omega).unwrap(), expected) < 1e-10);
 }
 
-/// Recursion compared with the plain product of matrices (paper E, eq. A10).
+/// Compares the recursion with the plain product of the matrices (paper E, eq. A10).
 #[test]
 fn recursion_agrees_with_the_product() {
     let chain = Chain::from_impact_face()
@@ -87,7 +88,7 @@ fn recursion_agrees_with_the_product() {
     }
 }
 
-/// Builds one body in both domains from the same description.
+/// Builds a body, for real or for complex frequencies.
 fn body<V: Argument>(builder: ChainBuilder<V>, end: Termination<V>) -> Chain<V>
 where
     Medium<Zener>: WaveMedium<V>,
@@ -156,8 +157,8 @@ fn analytic_chain_continues_the_other() {
     );
 }
 
-/// A passive body supplies no energy. The energy that an elastic body takes up goes into the
-/// dashpot at its end: Re Ĝ = q |v_end/F|².
+/// Checks that the energy that an elastic body takes up goes into the dashpot at its end: Re Ĝ = q
+/// |v_end/F|².
 #[test]
 fn energy_balance_of_an_elastic_body() {
     let aluminium = aluminium();
@@ -174,7 +175,7 @@ fn energy_balance_of_an_elastic_body() {
         let omega = TAU * frequency_hz;
         let taken = chain.mobility(omega).unwrap().re;
         let dissipated = 2e3 * end.state(omega).unwrap().velocity.norm_sqr();
-        // rounding, magnified by |Ĝ|/Re Ĝ if almost nothing is dissipated
+        // rounding, relative to |Ĝ| because Re Ĝ is small if almost nothing is dissipated
         let tolerance = 1e-12 * chain.mobility(omega).unwrap().norm();
         assert!(
             (taken - dissipated).abs() < tolerance,
@@ -183,8 +184,8 @@ fn energy_balance_of_an_elastic_body() {
     }
 }
 
-/// Antiresonance of an undamped rod: no floating-point number gives exactly kL = π/2. The frequency
-/// is therefore not rejected, and the mobility is only small.
+/// Checks an undamped rod at its antiresonance and at its resonance: no floating-point number gives
+/// exactly kL = π/2 or π, so the frequencies are not rejected.
 #[test]
 fn undamped_resonances_do_not_break() {
     let aluminium = aluminium();
@@ -198,8 +199,8 @@ fn undamped_resonances_do_not_break() {
 }
 
 proptest! {
-    /// A body of passive elements takes up energy at any frequency, and its mobility is a finite
-    /// number.
+    /// Checks that a body of passive elements takes up energy at any frequency and has a finite
+    /// mobility.
     #[test]
     fn passive_bodies_take_energy(
         exponent in -6.0..8.0f64,
@@ -221,7 +222,7 @@ proptest! {
             .end(Termination::Dashpot(resistance))
             .unwrap();
         for mobility in [chain.mobility(omega).unwrap(), chain.far_face_mobility(omega).unwrap()] {
-            // 1e-13: rounding of a mobility that may be almost imaginary
+            // tolerance: rounding of a mobility that may be almost imaginary
             prop_assert!(mobility.re >= -1e-13 * mobility.norm(), "{}", mobility);
         }
     }

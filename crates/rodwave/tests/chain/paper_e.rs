@@ -9,8 +9,8 @@ use testbed::difference::relative;
 
 use crate::bodies::{circle, cone, cylinder, nylon};
 
-/// Paper E, eqs. A3 and A4: the printed solution inside the cone, with C and D determined from the
-/// state of the near face, and the impedance that follows from it.
+/// Compares the states and the areas inside the cone with the printed solution (paper E, eqs. A3
+/// and A4), with C and D determined from the state of the near face.
 #[test]
 fn printed_solution_inside_the_cone() {
     let segment = Segment::cone(circle(0.030), circle(0.075), 0.400).unwrap();
@@ -56,7 +56,8 @@ fn printed_solution_inside_the_cone() {
     }
 }
 
-/// Paper E, eqs. A6 and A12: the power that leaves the far end goes into its dashpot.
+/// Checks that force and velocity of the far end obey the law of its dashpot, N = -qv (paper E,
+/// eqs. A6 and A12).
 #[test]
 fn dashpot_behind_the_far_end() {
     for resistance in [0.0, 30.0, 1e3, 1e5] {
@@ -69,8 +70,8 @@ fn dashpot_behind_the_far_end() {
             for end in [cone.section(0, 0.4), cylinder.section(3, 0.125)] {
                 let end = end.unwrap().state(omega).unwrap();
                 let left = end.normal_force + resistance * end.velocity;
-                // only one common factor relates the state here to the pair at the termination, so
-                // the error is rounding of q v
+                // tolerance: only one common factor relates the state here to the pair at the
+                // termination, so the error is rounding of q v
                 assert!(
                     left.norm() <= 1e-14 * resistance * end.velocity.norm(),
                     "q = {resistance}, {frequency_hz} Hz: {left}"

@@ -23,7 +23,8 @@ fn static_limits() {
     let z = (69e9_f64 * 2700.0).sqrt() * CrossSection::from(face).area();
     assert!((long.mobility(0.0).unwrap().re * z - 1.0).abs() < 1e-14);
     let error = |chain: &Chain| chain.mobility(0.0).unwrap_err().to_string();
-    // a free body has a pole at ω = 0
+    // E(0) of the power laws of Nylon-6 is 0, as in a fluid; the mobility of a free body has a pole
+    // at ω = 0
     assert_eq!(
         error(&cone(Termination::Dashpot(0.0))),
         "element 0: characteristic impedance per area at 0 Hz [Pa s/m] is 0, expected a finite value above 0"
@@ -51,8 +52,8 @@ fn static_limits() {
 
 #[test]
 fn laws_and_impedances_without_a_value_are_refused() {
-    // A law without a value is reported with its element; the impedance of a termination without a
-    // value is reported as such
+    // a law without a value is reported with its element, the impedance of a termination without a
+    // value is reported without an element
     let silent = Termination::impedance(|_| Complex64::new(f64::NAN, 0.0));
     let chain = Chain::from_impact_face().end(silent).unwrap();
     assert!(matches!(

@@ -23,8 +23,8 @@ fn body() -> Chain {
         .unwrap()
 }
 
-/// The state at a section is that of the impact face, transferred by the matrices of the elements
-/// between the two (Ödeen 1993, paper E, eq. A8).
+/// Compares the state at a section with that of the impact face, transferred by the matrices of the
+/// elements between the two (Ödeen 1993, paper E, eq. A8).
 #[test]
 fn states_follow_from_the_impact_face() {
     let chain = body();
@@ -40,7 +40,7 @@ fn states_follow_from_the_impact_face() {
                 .unwrap()
                 .state(omega)
                 .unwrap();
-            // along +x, the rounding errors of the matrices grow with e^{2αL}, αL < 1
+            // tolerance: along +x, the rounding errors of the matrices grow with e^{2αL}, αL < 1
             let what = format!("element {element} at {distance} m, {frequency_hz} Hz");
             assert!(
                 relative(found.normal_force, expected.normal_force) < 1e-11,
@@ -79,8 +79,8 @@ fn states_follow_from_the_impact_face() {
     }
 }
 
-/// Three strain gauges on the compound cylinder give the waves that the chain predicts (paper B,
-/// eq. 4).
+/// Compares the waves found from the forces at three sections of a rod with the waves that the
+/// chain predicts (paper B, eq. 4).
 #[test]
 fn waves_from_several_sections() {
     let chain = Chain::from_impact_face()
@@ -122,7 +122,7 @@ fn waves_from_several_sections() {
     }
 }
 
-/// A semi-infinite rod returns no wave.
+/// Checks that a semi-infinite rod returns no wave.
 #[test]
 fn one_wave_before_a_matched_end() {
     let chain = Chain::from_impact_face()

@@ -51,8 +51,8 @@ fn any_end() -> impl Strategy<Value = End> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// The balances of energy and momentum close to rounding for any bodies, laws, ends and gaps,
-    /// on any grid.
+    /// Checks that the balances of energy and momentum close to rounding for any bodies, laws, ends
+    /// and gaps, on any grid.
     #[test]
     fn balances_close(
         bodies in prop::collection::vec((prop::collection::vec(any_segment(), 1..4), -8.0..8.0_f64), 1..4),
@@ -76,8 +76,8 @@ proptest! {
             .with_speed_tolerance(0.2).unwrap();
         let history = line.run(step, 1.5e-3, &[]).unwrap();
         let ledger = history.ledger;
-        // all energy that has entered or left; thousands of steps, each with a relative rounding
-        // error of about 1e-16
+        // tolerance: thousands of steps, each with a rounding error of about 1e-16 of all energy
+        // that has entered or left
         let energy = ledger.initial_energy + ledger.supplied.abs() + ledger.stored
             + ledger.dissipated + ledger.radiated + ledger.lost_in_contact;
         prop_assert!(ledger.energy_residual().abs() <= 1e-10 * energy, "{ledger:?}");

@@ -1,9 +1,9 @@
-//! Pulses, joints, masses and impacts with known solutions.
+//! Contacts, transit times and gaps with known solutions.
 
 use super::*;
 
-/// A force applied at the left end reaches the contact one transit time later; the faces separate
-/// when it falls to zero.
+/// Checks that a contact opens at the right time within a step: a force applied at the left end
+/// reaches the contact one transit time later; the faces separate when it falls to zero.
 #[test]
 fn f6_a_contact_opens_within_a_step() {
     let (transit, last) = (0.2 / (206e9_f64 / 7780.0).sqrt(), 93.7e-6);
@@ -37,16 +37,17 @@ fn f6_a_contact_opens_within_a_step() {
         );
         (opens - (transit + last)).abs() / history.grid.time_step
     };
-    // error in steps: h F''/(8 F') T = 5/8 h/T at most, which decreases with the step; with the
-    // time of the last positive force, the error would be up to a whole step
+    // tolerance, in steps: 5/8 h/T, above the error h F''/(8 F') = h/(2T) of the linear
+    // interpolation, which decreases with the step; with the time of the last positive force, the
+    // error would be up to a whole step
     for cells in [20.0, 40.0, 80.0, 160.0] {
         let (found, limit) = (error(cells), 0.63 * transit / cells / last);
         assert!(found < 1.05 * limit, "{cells}: {found} {limit}");
     }
 }
 
-/// Three segments with equal impedances and incommensurable transit times only delay the applied
-/// force.
+/// Checks that the rounding of transit times is within the tolerance of the line: three segments
+/// with equal impedances and incommensurable transit times only delay the applied velocity.
 #[test]
 fn f6_the_rounding_of_transit_times_is_what_was_asked_for() {
     let times = [17e-6, 17e-6 * 2.0_f64.sqrt(), 17e-6 * 3.0_f64.sqrt() / 2.0];
@@ -73,13 +74,14 @@ fn f6_the_rounding_of_transit_times_is_what_was_asked_for() {
         let error = velocity
             .map(|(n, v)| (v - pulse((n as f64 + 0.5) * step - delay)).abs())
             .fold(0.0, f64::max);
-        // largest slope of the pulse, 0.86/15 us, times the rounded delay
+        // tolerance: largest slope of the pulse, 0.86/15 µs, times the largest change of the delay
         let limit = 0.86 / 15e-6 * delay * rounding;
         assert!(error < 1.01 * limit + 1e-9, "{tolerance}: {error} {limit}");
     }
 }
 
-/// A gap delays the contact, and its closing dissipates less energy on a finer grid.
+/// Checks that a gap delays the contact, and that its closing dissipates less energy on a finer
+/// grid.
 #[test]
 fn a_gap_closes_with_the_relative_velocity() {
     let lost = |step: f64| -> f64 {
@@ -107,6 +109,6 @@ fn a_gap_closes_with_the_relative_velocity() {
         history.ledger.lost_in_contact / history.ledger.initial_energy
     };
     let (coarse, fine) = (lost(1e-6), lost(0.25e-6));
-    // the energy of at most one of the 48 cells of the striker
+    // tolerance: twice the energy of one of the 48 cells of the striker
     assert!(coarse < 0.05 && fine < 0.0125, "{coarse} {fine}");
 }

@@ -116,7 +116,7 @@ fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
     [a, b, c, d, -(a + b + c + d)]
 }
 
-/// Derivatives compared with differences of the same solver, through joints, branches, a contact
+/// Compares derivatives with differences of the same solver, through joints, branches, a contact
 /// and a mass.
 ///
 /// If a modulus changes by one notch, a wave that has crossed the striker a dozen times is shifted
@@ -142,7 +142,7 @@ fn derivatives_agree_with_differences() {
         .iter()
         .zip(&plain.gauges[1].velocity)
     {
-        // the same sums in a different order
+        // tolerance: the same sums in a different order
         assert!((a - b).abs() < 1e-12, "{a} {b}");
     }
     // the bodies separate only later, when a derivative of the force jumps and differences do not

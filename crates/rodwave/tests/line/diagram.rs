@@ -48,8 +48,8 @@ fn a_cell_is_what_a_gauge_at_its_centre_sees() {
         ] {
             for (index, seen) in seen.iter().step_by(stride).enumerate() {
                 let found = diagram.at(quantity, index)[*cell];
-                // the position of a gauge is rounded, which gives the neighbours a weight of 1e-13
-                // in the cubic
+                // tolerance: the position of a gauge is rounded, which gives the neighbours a
+                // weight of 1e-13 in the cubic
                 assert!((found - seen).abs() < 1e-11 * size, "{cell}, {index}");
             }
         }
@@ -58,7 +58,7 @@ fn a_cell_is_what_a_gauge_at_its_centre_sees() {
     assert!((last - duration).abs() < stride as f64 * step, "{last}");
 }
 
-/// Momentum and energy summed over the cells: two free elastic bodies conserve both.
+/// Checks that two free elastic bodies conserve momentum and energy, summed over the cells.
 #[test]
 fn what_is_in_the_cells_is_conserved() {
     let bars = [steel(0.1, AREA), aluminium(0.2, 2.0 * AREA)];
@@ -97,7 +97,8 @@ fn what_is_in_the_cells_is_conserved() {
     assert!(whole(&energy) < 1e-12, "{}", whole(&energy));
 }
 
-/// The strains of all cells add up to the displacement of the ends, for any material.
+/// Checks that the strains of all cells add up to the difference between the displacements of the
+/// ends.
 #[test]
 fn strains_add_up_to_the_displacement_of_the_ends() {
     let line = pushed(
@@ -113,7 +114,7 @@ fn strains_add_up_to_the_displacement_of_the_ends() {
     for (index, (left, right)) in left.velocity.iter().zip(&right.velocity).enumerate() {
         apart += (right - left) * diagram.grid.time_step;
         let strain: f64 = diagram.at(&diagram.strain, index + 1).iter().sum();
-        // sums of some hundred strains of 1e-3
+        // tolerance: rounding of sums of some hundred strains of 1e-3
         assert!((strain * cell - apart).abs() < 1e-14, "{index}");
     }
     assert!(apart.abs() > 1e-6);

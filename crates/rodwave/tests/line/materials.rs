@@ -1,4 +1,4 @@
-//! Interior of a segment: laws defined by a user, and strains.
+//! Laws defined by a user.
 
 use super::*;
 
@@ -50,7 +50,7 @@ impl RelaxationFlow for FixedFlow {
     }
 }
 
-/// Laws defined by a user can be used, with or without parameters (Ödeen 1993, paper D, eq. 3).
+/// Compares a law defined by a user with the same law of the crate (Ödeen 1993, paper D, eq. 3).
 #[test]
 fn a_law_of_the_users_own_relaxes() {
     let gauge = Gauge {
@@ -68,7 +68,7 @@ fn a_law_of_the_users_own_relaxes() {
         .unwrap());
     assert!(own.ledger.dissipated > 0.1 * own.ledger.supplied);
     for (a, b) in own.gauges[0].stress.iter().zip(&ours.gauges[0].stress) {
-        // the same exponential, computed directly and from its difference to 1
+        // tolerance: the same exponential, computed directly and from its difference to 1
         assert!((a - b).abs() < 1e-11 * 500.0 / AREA, "{a} {b}");
     }
 }

@@ -1,4 +1,4 @@
-//! Comparison with other solvers: transition matrices, the direct problem, lumped chains.
+//! Comparison with other solvers: the direct problem, lumped chains.
 
 use super::*;
 
@@ -12,7 +12,7 @@ fn norton_rod() -> InelasticRod<MaxwellNorton> {
     .unwrap()
 }
 
-/// Comparison with the direct problem of paper D, which has another grid.
+/// Compares the line with the direct problem of paper D, which has another grid.
 #[test]
 fn agrees_with_the_direct_problem_to_second_order() {
     let rate = 51_200.0;
@@ -53,12 +53,12 @@ fn agrees_with_the_direct_problem_to_second_order() {
         }))
     };
     let (coarse, fine) = (error(100.0), error(200.0));
-    // relative to 15 m/s
+    // the velocity reaches 15 m/s
     assert!(fine < 1e-3, "{coarse} {fine}");
     assert!(coarse / fine > 3.0, "{coarse} {fine}");
 }
 
-/// A standard solid has several branches: the direct problem rejects it.
+/// Checks that the direct problem rejects a standard solid, which has several branches.
 #[test]
 fn a_spring_is_refused_by_the_direct_problem() {
     let solid = norton_rod().with_spring(0.5).unwrap();
@@ -68,7 +68,7 @@ fn a_spring_is_refused_by_the_direct_problem() {
     );
 }
 
-/// The impact of paper D compared with the lumped chains, which share neither grid nor contact with
+/// Compares the impact of paper D with the lumped chains, which share neither grid nor contact with
 /// this solver: the rod of the paper, and a rod whose dashpot is ten times as fast and has a spring
 /// in parallel.
 #[test]
@@ -124,8 +124,8 @@ fn agrees_with_lumped(rod: InelasticRod<MaxwellNorton>) {
         }
         worst = worst.max((displacement[0] - displacement[1]).abs());
     }
-    // displacements of some 2 mm are compared at times that differ by less than a step: 0.1 µs at
-    // 10 m/s is 1 µm
+    // tolerance: displacements of some 2 mm are compared at times that differ by less than a step,
+    // and 0.1 µs at 10 m/s is 1 µm
     assert!(
         displacement[0] > 1e-3 && worst < 4e-6,
         "{displacement:?} {worst}"
