@@ -57,7 +57,7 @@ fn claims_hold() {
     let omega = band(100.0, 1e4);
     let of_modulus = |modulus: Vec<Complex64>, most: f64| {
         let result = KramersKronig::of_modulus(&omega, &modulus, 0.0).unwrap();
-        // on average, the difference is some per cent for a constant modulus
+        // the residual of a constant modulus is some per cent
         assert!(
             (0.005..most).contains(&result.residual),
             "{}",

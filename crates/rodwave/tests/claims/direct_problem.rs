@@ -26,8 +26,8 @@ const PULSE: Gaussian = Gaussian {
     width: 50e-6,
 };
 
-/// Laplace transform of the pulse; it is that of a whole Gaussian, which is only e^{-25} before
-/// time 0.
+/// Laplace transform of the pulse, with the part of the Gaussian before time 0, which is below
+/// e^{-25} of the peak.
 fn transform(s: Complex64) -> Complex64 {
     let smooth = s * s * (0.25 * PULSE.width * PULSE.width);
     PEAK * PULSE.width * std::f64::consts::PI.sqrt() * (smooth - s * PULSE.centre).exp()
@@ -149,8 +149,8 @@ fn front_on_arrival<L: InelasticLaw>(law: &L) -> f64 {
     2.0 * arrival(2000) - arrival(1000)
 }
 
-/// Decay behind a jump, d[σ]/dt = -(1/2) E F([σ]): the relaxation of the law for half the travel
-/// time.
+/// Claims the decay behind a jump, d[σ]/dt = -(1/2) E F([σ]): the relaxation of the law for half
+/// the travel time.
 fn fronts(report: &mut Claims) {
     let speed = (MODULUS / DENSITY).sqrt();
     let jump = DENSITY * speed * PEAK;
@@ -230,8 +230,8 @@ fn excitation() -> SampledHistory {
 
 const H: f64 = 1e-4;
 
-/// Error of a derivative of the response, compared with a difference, relative to the largest
-/// value.
+/// Error of a derivative of the response, compared with a central difference, relative to the
+/// largest value.
 fn derivative_error(exact: &[f64], run: impl Fn(f64) -> Vec<f64>) -> f64 {
     let (plus, minus) = (run(H), run(-H));
     let pairs = plus.iter().zip(&minus);

@@ -45,7 +45,7 @@ fn claims_hold() {
     );
     impacts(&mut report);
     report
-        .by("its transition matrices on a line of the Laplace plane")
+        .by("transition matrices of the stack on a line of the Laplace plane")
         .deviation(
             "stack of viscoelastic and elastic parts in the time domain: struck face, relative to the peak",
             Within(
@@ -198,7 +198,7 @@ fn impacts(report: &mut Claims) {
     let force = at_steps(&history, &history.contacts[0].force, 0.5);
     let r: f64 = 1.0 / 3.0;
     report.by(SAINT_VENANT).deviation(
-        "striker of three times the impedance pushes in steps of (1 - r)/(1 + r): ten trips, relative to zV",
+        "force of a striker of three times the impedance, which falls by (1 - r)/(1 + r) per round trip: ten trips, relative to zV",
         Within(1e-14, "rounding"),
         Ok(largest(force.map(|(t, force)| {
             let trips = (t / (2.0 * transit)).floor();

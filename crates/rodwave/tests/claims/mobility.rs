@@ -148,7 +148,7 @@ fn rigid_bodies(report: &mut Claims) {
     let compliance = Complex64::new(0.0, omega) * 0.8 / (medium.modulus(omega) * area);
     errors.push(relative(fixed.mobility(omega).unwrap(), compliance));
     report.by("series of x coth x; iωL/(AE)").deviation(
-        "rod at low frequency, free with its first corrections from 1 nHz to 1 Hz, fixed as a spring",
+        "rod at low frequency: free, with the first corrections of a rigid mass, 1 nHz to 1 Hz; fixed, as a spring",
         Within(5e-15, "a dozen rounding errors; the next term is 1e-18"),
         Ok(largest(errors)),
     );

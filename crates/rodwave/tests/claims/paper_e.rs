@@ -17,8 +17,8 @@ fn coth(x: Complex64) -> Complex64 {
     x.cosh() / x.sinh()
 }
 
-/// Printed (8) with (A7), which has a dashpot behind the far end. The geometry is given by the
-/// distances of the ends from the apex, which are negative for a cone that converges.
+/// Mobility of the cone by the printed (8) with (A7), which has a dashpot behind the far end. The
+/// distances a and b of the ends from the apex are negative for a cone that converges.
 fn printed_cone(omega: f64, near: f64, far: f64, resistance: f64) -> Complex64 {
     let apex = 0.400 / (far / near - 1.0);
     let gamma = nylon().propagation_coefficient(omega);
@@ -31,7 +31,8 @@ fn printed_cone(omega: f64, near: f64, far: f64, resistance: f64) -> Complex64 {
     a / z * numerator / denominator
 }
 
-/// Printed (9) in its general form (A13), (A14); φ = Z_B/Z_A.
+/// Mobility of the compound cylinder by the printed (9) in its general form (A13), (A14), with φ =
+/// Z_B/Z_A.
 fn printed_cylinder(omega: f64, resistance: f64) -> Complex64 {
     let area = PI / 4.0 * 0.032 * 0.032;
     let (nylon, aluminium) = (nylon(), aluminium());
@@ -73,7 +74,7 @@ fn claims_hold() {
         },
     );
     check(
-        "truncated cone, thick face by the rule for the far face, 0.2 to 9.7 kHz",
+        "truncated cone, thick face, computed as the far face, 0.2 to 9.7 kHz",
         "paper E, eq. 8",
         &|omega, _| {
             let found = cone(Termination::Free).far_face_mobility(omega);

@@ -10,8 +10,8 @@ use testbed::hold;
 
 use crate::modulus_time_domain::{laws, prony, times};
 
-/// Inverse Laplace transform at time t on the contour of Talbot with 20 points (Abate & Valkó, Int.
-/// J. Numer. Meth. Engng 60 (2004) 979). Truncation and rounding cause errors of 1e-12 each.
+/// Inverse Laplace transform at time t on Talbot's contour with 20 points (Abate & Valkó, Int. J.
+/// Numer. Meth. Engng 60 (2004) 979). Truncation and rounding cause errors of 1e-12 each.
 fn inverse_laplace(time: f64, transform: impl Fn(Complex64) -> Complex64) -> f64 {
     const POINTS: u32 = 20;
     let m = f64::from(POINTS);
@@ -76,7 +76,7 @@ fn claims_hold() {
 fn retardation_error(equilibrium_modulus: f64) -> f64 {
     let law = prony(equilibrium_modulus);
     let chain = law.retardation_spectrum();
-    // four distinct relaxation times; a solid has as many retardation times, a fluid one less
+    // four distinct relaxation times; a solid has as many retardation times, a fluid one fewer
     let expected = if equilibrium_modulus > 0.0 { 4 } else { 3 };
     assert_eq!(chain.elements.len(), expected);
     let mut elements = chain.elements.iter();
@@ -94,7 +94,8 @@ fn retardation_error(equilibrium_modulus: f64) -> f64 {
     }))
 }
 
-/// Largest relative error of a Prony series that replaces a law, as the series states it.
+/// Largest relative error of a Prony series that replaces a law, divided by the error that the
+/// series states.
 fn stand_in_error() -> f64 {
     let law = FractionalZener::new(0.5e9, 2.9e9, 1e-4, 0.5).unwrap();
     let band = OmegaBand {

@@ -83,9 +83,10 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// E'_apparent/E' - 1 in per cent at λ/D and ν by the three theories, computed independently and
-/// printed with three digits (two for some values of Mindlin and Herrmann), with half of the last
-/// digit. The κ of the table is the common approximation of c_R/c_S.
+/// Claims a table of E'_apparent/E' - 1 in per cent by the three theories, computed independently.
+/// A row contains λ/D, ν and, for each theory, the value with three digits (two for some values of
+/// Mindlin and Herrmann) and half of its last digit. The κ of the table is the common approximation
+/// of c_R/c_S.
 fn table_of_errors(report: &mut Claims) {
     type Row = (f64, f64, [(f64, f64); 3]);
     #[rustfmt::skip]
@@ -121,8 +122,8 @@ fn table_of_errors(report: &mut Claims) {
 
 fn viscoelastic_rod(report: &mut Claims) {
     let modulus = MODULUS * Complex64::new(1.0, 0.08);
-    // errors relative to the true values: E' and E''/E' of one-dimensional theory, and the error
-    // after Love's correction
+    // ratios to the true values: E' and E''/E' by one-dimensional theory, then both after Love's
+    // correction
     let rows = [
         (5.0, [0.967576, 1.03539, 0.998292, 1.00353]),
         (3.0, [0.907087, 1.11901, 0.987143, 1.02826]),

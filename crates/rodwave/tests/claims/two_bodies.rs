@@ -57,7 +57,8 @@ fn claims_hold() {
             Within(5e-8, "aliasing of e^(-16) over the record"),
             Ok(record.impulse() / (mass * VELOCITY) - 1.0),
         );
-    // the square of a rounded jump is smaller than that of the jump by Pσ/√π at each side
+    // at each of its two jumps, the smoothed pulse loses σ/√π times its squared height in the
+    // integral of its square
     let shortfall = 2.0 * 1.25e-6 / PI.sqrt() / trip;
     report
         .by("conservation of energy, less the part removed by the Gaussian")

@@ -14,8 +14,8 @@ fn wave_number(density: f64, frequency_hz: f64) -> f64 {
     medium.wave_number(std::f64::consts::TAU * frequency_hz)
 }
 
-/// Conditions (i) and (ii) have the limits printed in the paper; the error of 5 % stated with (i)
-/// is that of an incompressible rod.
+/// Checks that conditions (i) and (ii) have the limits printed in the paper, and that the error of
+/// 5 % stated with (i) is that of an incompressible rod.
 #[test]
 fn conditions_of_validity() {
     let constants = GoldenTable::read("paper_a_constants.ron");
@@ -40,9 +40,9 @@ fn conditions_of_validity() {
     }
 }
 
-/// "D = 11 or 16 mm and L = 800 mm gave results ... in the approximate frequency range of 400 Hz to
-/// 20 kHz": condition (ii) is met from the printed lowest frequency on; condition (i) is met at 20
-/// kHz, a limit that is due to the hammer.
+/// Checks "D = 11 or 16 mm and L = 800 mm gave results ... in the approximate frequency range of
+/// 400 Hz to 20 kHz": condition (ii) is met from the printed lowest frequency on; condition (i) is
+/// met at 20 kHz, a limit that is due to the hammer.
 #[test]
 fn the_frequency_range_of_the_longest_specimens() {
     let constants = GoldenTable::read("paper_a_constants.ron");
@@ -65,7 +65,7 @@ fn the_frequency_range_of_the_longest_specimens() {
     }
 }
 
-/// Captions name the specimens of Table 2 by rounded dimensions.
+/// Checks that the captions name the specimens of Table 2 by rounded dimensions.
 #[test]
 fn captions_name_the_specimens() {
     let figures = GoldenTable::read("paper_a_figures.ron");
@@ -102,7 +102,7 @@ fn captions_name_the_specimens() {
     assert_eq!(compared, 24);
 }
 
-/// Paper B: the shortest wave, at 3 kHz, is some thirty diameters of the bar long.
+/// Checks that the shortest wave of paper B, at 3 kHz, is some thirty diameters of the bar long.
 #[test]
 fn the_shortest_wave_of_paper_b() {
     let constants = GoldenTable::read("paper_b_constants.ron");

@@ -28,8 +28,8 @@ const MODULI: [(&str, &str); 5] = [
     ("Rubber", "Rubber / E"),
 ];
 
-/// Twenty-five tests: between its two sections, an elastic rod delays and doubles the velocity,
-/// v_r(t) = 2Σ(-1)ⁿ v_e(t - (2n+1)L/c), with L and ρ of Table 2 and E of Table 4.
+/// Checks 25 tests with elastic rods: between its two sections, an elastic rod delays and doubles
+/// the velocity, v_r(t) = 2Σ(-1)ⁿ v_e(t - (2n+1)L/c), with L and ρ of Table 2 and E of Table 4.
 #[test]
 fn elastic_responses_of_the_tests_of_table_2() {
     let tests = GoldenTable::read("paper_d_table_2.ron");
@@ -55,9 +55,9 @@ fn elastic_responses_of_the_tests_of_table_2() {
                     sign * PULSE.at(time - f64::from(2 * n + 1) * delay)
                 })
                 .sum();
-            // The solution is exact at its steps; the error of the cubic between them is h⁴
-            // v''''/40, with steps of at most 4.3 us (rubber) 1e-5 of a doubled pulse of 60 us, and
-            // at most eight pulses overlap
+            // tolerance: the solution is exact at its steps; the interpolation between steps of at
+            // most 4.3 µs (rubber) has an error below 1e-5 of the peak of a doubled pulse of 60 µs,
+            // and at most eight pulses overlap
             assert!(
                 (found - exact).abs() < 2e-3,
                 "Test {}, {time}: {found} {exact}",
@@ -88,14 +88,15 @@ fn peaks<L: InelasticLaw>(density: f64, modulus: f64, law: L) -> (f64, f64) {
         .unwrap();
     let peak = found.iter().copied().fold(0.0, f64::max);
     for (a, b) in found.iter().zip(second) {
-        // dispersion of a chain with 25 cells or more per pulse width
+        // tolerance: dispersion of a chain with 25 cells or more per pulse width
         assert!((a - b).abs() < 5e-3 * peak, "{a} {b}");
     }
     (peak, 2.0 * PULSE.peak)
 }
 
-/// The units of Table A1 as printed make the rods elastic (erratum): the printed parameters change
-/// the response by less than the error of 0.06 per cent that the table states for them.
+/// Checks that the units of Table A1 as printed make the rods elastic (erratum): the printed
+/// parameters change the response by less than the error of 0.06 per cent that the table states for
+/// them.
 #[test]
 fn the_parameters_of_table_a1_do_not_damp_as_printed() {
     let table = GoldenTable::read("paper_d_table_a1.ron");
@@ -129,7 +130,7 @@ fn the_parameters_of_table_a1_do_not_damp_as_printed() {
     }
 }
 
-/// The column of errors contains the relative distance between the other two columns.
+/// Checks that the column of errors contains the relative distance between the other two columns.
 #[test]
 fn relative_errors_of_table_a1() {
     for row in &GoldenTable::read("paper_d_table_a1.ron").rows {

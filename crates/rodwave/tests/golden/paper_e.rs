@@ -60,17 +60,17 @@ pub(crate) fn bodies() -> Bodies {
     }
 }
 
-/// The printed numbers, read from the fixtures by this test and typed into the program that made
-/// the reference, give the same bodies (Ödeen 1993, paper E, eqs. A5 and A11).
+/// Checks that the printed numbers, read from the fixtures by this test and typed into the program
+/// that made the reference, give the same mobilities (Ödeen 1993, paper E, eqs. A5 and A11).
 #[test]
 fn printed_bodies_have_the_mobilities_of_mpmath() {
     let [chains, medium] = errors_of_chains(&bodies());
-    // as in reference_mpmath.rs
+    // tolerances as in reference_mpmath.rs
     assert!(chains < 2e-14 && medium < 4e-15, "{chains:e} {medium:e}");
 }
 
-/// The long rod is long enough: its echo has not returned to the gauges while the impacts last,
-/// about 1 ms.
+/// Checks that the long rod is long enough: its echo has not returned to the gauges while the
+/// impacts last, about 1 ms.
 #[test]
 fn no_reflected_wave_during_the_time_interval_of_interest() {
     let constants = GoldenTable::read("paper_e_constants.ron");
@@ -84,9 +84,9 @@ fn no_reflected_wave_during_the_time_interval_of_interest() {
     assert!(step_hz.recip() > 50.0 * echo);
 }
 
-/// A free body gives all its momentum to a semi-infinite rod: the impulse of each case is V M,
-/// where M follows from the mobility of the printed body at low frequency. For TCB it is 0.983 N s,
-/// from a separate march of its force history.
+/// Checks the impulse of each case. A free body gives all its momentum to a semi-infinite rod: the
+/// impulse is V M, where M follows from the mobility of the printed body at low frequency. For TCB,
+/// the sum of a separately computed force history is 0.983 N s.
 #[test]
 fn momentum_of_the_four_cases() {
     let cases = GoldenTable::read("paper_e_cases.ron");
@@ -109,7 +109,7 @@ fn momentum_of_the_four_cases() {
         assert!((unity - 1.0).norm() < 1e-10, "{case}: {unity}");
         momenta.push(mass * cases.row(case).value("impact_velocity"));
     }
-    // half a unit of the last digit
+    // tolerance: half a unit of the last digit
     assert!((momenta[1] - 0.983).abs() < 5e-4, "{momenta:?}");
     // two sections of nylon and two of aluminium
     let cylinder = momenta[2] / cases.row("CCA").value("impact_velocity");
