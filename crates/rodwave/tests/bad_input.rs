@@ -316,7 +316,7 @@ fn laplace_variable_on_the_wrong_side() {
         assert_eq!(texts.first(), texts.last());
         writeln!(refusals.0, "{s}: {}", texts[0]).unwrap();
     }
-    // where the slowness has a pole, the propagation coefficient is rejected
+    // the slowness of a fluid has a pole at s = 0, where the propagation coefficient is rejected
     let fluid = Medium::new(1000.0, rodwave::modulus::Maxwell::new(1e9, 1e6).unwrap()).unwrap();
     let at_rest = fluid.try_propagation_coefficient_at_s(Complex64::ZERO);
     refusals.add("fluid at rest", at_rest);
@@ -492,7 +492,8 @@ fn elastic_rod() -> InelasticRod<inelastic::Elastic> {
     InelasticRod::new(0.4, 1100.0, 3e9, inelastic::Elastic).unwrap()
 }
 
-/// Numbers of cells and steps for which no memory suffices: their sums and products overflow.
+/// Checks numbers of cells and steps for which no memory suffices and whose sums and products
+/// overflow.
 #[test]
 fn endless_grids_and_runs() {
     let mut refusals = Refusals::default();
@@ -638,7 +639,8 @@ fn laws_of_too_many_parameters() {
     );
 }
 
-/// A slice with fewer entries than the law has parameters receives the first derivatives.
+/// Checks that a slice with fewer entries than the law has parameters receives the first
+/// derivatives.
 #[test]
 fn slices_too_short_for_the_parameters() {
     fn check(law: &impl InelasticLaw) {

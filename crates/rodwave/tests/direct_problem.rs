@@ -37,8 +37,8 @@ fn energy_is_balanced<L: InelasticLaw>(law: L, length: f64, modulus: f64, veloci
         for velocity in velocities.iter().cycle().take(400) {
             march.advance(*velocity);
             let now = march.energy();
-            // rounding is relative to the energy that has passed through the rod; an elastic rod
-            // may have returned all of it
+            // tolerance: rounding relative to the energy that has passed through the rod; an
+            // elastic rod may have returned all of it
             scale = scale.max(now.supplied.abs() + now.stored + now.dissipated);
             let residual = (now.supplied - now.stored - now.dissipated).abs() / scale;
             assert!(residual < 1e-11, "{residual}: {now:?}");
@@ -54,7 +54,7 @@ fn energy_is_balanced<L: InelasticLaw>(law: L, length: f64, modulus: f64, veloci
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Energy is never created, for any law, rod and (arbitrarily rough) excitation.
+    /// Checks that energy is never created, for any law, rod and (arbitrarily rough) excitation.
     #[test]
     fn energy_is_never_created(
         velocities in prop::collection::vec(-30.0..30.0_f64, 2..40),
@@ -77,7 +77,7 @@ proptest! {
     }
 }
 
-/// The rod ahead of the front is at rest (Ödeen 1993, paper D, eq. 4).
+/// Checks that the rod ahead of the front is at rest (Ödeen 1993, paper D, eq. 4).
 #[test]
 fn the_rod_is_at_rest_until_the_front_arrives() {
     let law = MaxwellNorton::new(2.108, 7e13).unwrap();
@@ -89,9 +89,9 @@ fn the_rod_is_at_rest_until_the_front_arrives() {
     assert!(v[3] > 5.0);
 }
 
-/// The front of a sharp impact rises within four steps. It enters the grid at the same fraction of
-/// a step for any modulus: the arrival, weighted with a smooth bell, must not oscillate with E at
-/// the period of a step.
+/// Checks that the arrival of a sharp front, which rises within four steps, does not oscillate with
+/// E at the period of a step: the front enters the grid at the same fraction of a step for any
+/// modulus. The arrival is the integral of the response weighted with a smooth bell.
 #[test]
 fn the_arrival_of_a_sharp_front_is_a_smooth_function_of_the_modulus() {
     let rate = 204_800.0;
@@ -120,7 +120,8 @@ fn the_arrival_of_a_sharp_front_is_a_smooth_function_of_the_modulus() {
     let of: Vec<f64> = (-20..=20).map(|k| weighted(2e-4 * f64::from(k))).collect();
     let slope = of[40] - of[0];
     // oscillations of this period change sign over half of it, seven points; a third difference
-    // over these points leaves only the part of a smooth function that a cubic does not describe
+    // over points at this distance leaves only the part of a smooth function that a quadratic does
+    // not describe
     let wave = (0..of.len() - 21)
         .map(|k| (of[k + 21] - 3.0 * of[k + 14] + 3.0 * of[k + 7] - of[k]).abs() / 8.0)
         .fold(0.0, f64::max);

@@ -13,7 +13,8 @@ use testbed::difference::largest;
 use crate::bodies::{nylon, polypropylene};
 use crate::claims::experiments::{blow, printed_ratio, specimen, transform_of};
 
-/// The kinetic energy of the rod after its vibration has decayed is less than the work of the hit.
+/// Checks that the work of the hit exceeds the kinetic energy of the rod after its vibration has
+/// decayed.
 #[test]
 fn work_is_more_than_the_energy_that_is_left() {
     let test = EndAccelerationTest::analytic(&polypropylene(), &specimen()).unwrap();
@@ -46,7 +47,8 @@ fn tails_of_periodic_records() {
     let periodic = record(20.0, 25_001);
     assert_eq!(periodic.generator, PERIODIC_GENERATOR);
     assert!((periodic.interval - 1e-6).abs() < 1e-18);
-    // ringing due to the band limit at the start of the hit: (Δt/d)² = 6e-6 in the last sample
+    // tolerance: ringing due to the band limit at the start of the hit, (Δt/d)² = 6e-6 in the last
+    // sample
     let tail = periodic.tail;
     assert!(
         matches!(tail, Tail::DiedOut { late_level } if late_level < 2e-5),
@@ -56,7 +58,7 @@ fn tails_of_periodic_records() {
     assert!(matches!(tail, Tail::WrappedAround { .. }), "{tail:?}");
 }
 
-/// The power laws of paper E, eq. 7, are defined on the frequency axis only, and are used there.
+/// Checks the test with power laws (paper E, eq. 7), which are defined on the frequency axis only.
 #[test]
 fn law_that_is_known_on_the_axis_only() {
     let test = EndAccelerationTest::new(&nylon(), &specimen()).unwrap();
@@ -79,7 +81,8 @@ fn law_that_is_known_on_the_axis_only() {
         let at = |samples| transform_of(samples, 0.0, record.interval, omega);
         let ratio = at(&record.impacted_end) / at(&record.free_end);
         let expected = printed_ratio(&nylon(), omega);
-        // at a line of its grid, the discrete transform of the history has only rounding errors
+        // tolerance: at a line of its grid, the discrete transform of the history has only rounding
+        // errors
         assert!(
             (ratio - expected).norm() < 1e-9 * (1.0 + expected.norm()),
             "{omega}"
@@ -87,7 +90,8 @@ fn law_that_is_known_on_the_axis_only() {
     }
 }
 
-/// Simpson's rule with 2000 intervals: (|s|d)⁴/(180 · 2000⁴) < 1e-9 for |s|d up to 40.
+/// Compares the transforms with Simpson's rule with 2000 intervals, whose error is (|s|d)⁴/(180 ·
+/// 2000⁴) < 1e-9 for |s|d up to 40.
 #[test]
 fn transforms_of_the_pulses() {
     fn check(pulse: &impl Pulse) {

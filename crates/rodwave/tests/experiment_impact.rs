@@ -74,8 +74,9 @@ pub(crate) fn deviation(
         })
 }
 
-/// Two free rods of equal cross-section: the shorter one is stopped. The longer one has its
-/// momentum and moves with the mean velocity V L₁/L₂, oscillating between 0 and V without decay.
+/// Checks the impact of two free rods of equal cross-section: the shorter rod is stopped. The
+/// longer rod takes over the momentum and moves at the mean velocity V L₁/L₂; its face oscillates
+/// between 0 and V without decay.
 #[test]
 fn two_free_elastic_rods() {
     let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));
@@ -86,8 +87,8 @@ fn two_free_elastic_rods() {
     // rounding.
     let mass = [&short, &long].map(|body| body.free_mass().unwrap());
     assert!((record.impulse() / (mass[0] * VELOCITY) - 1.0).abs() < 1e-6);
-    // In the first period of the longer rod, the face moves with V/2 for 2L₁/c; in each later
-    // period, when the echo arrives, with V.
+    // In the first period of the longer rod, its face moves at V/2 for 2L₁/c; in each later period,
+    // the echo moves it at V for 2L₁/c.
     let exact = |t: f64| {
         let phase = t.rem_euclid(period);
         match (t > 0.0, phase < trip, t < period) {
@@ -106,7 +107,7 @@ fn two_free_elastic_rods() {
     assert!((mean / (mass[0] * VELOCITY / mass[1]) - 1.0).abs() < 1e-12);
 }
 
-/// A mass on a long rod: F = ZV e^{-Zt/M}, which never becomes a tension.
+/// Checks the impact of a mass on a long rod: F = ZV e^{-Zt/M}, which never becomes a tension.
 #[test]
 fn mass_against_a_long_rod() {
     let (mass, z) = (0.3, impedance(10.0));
@@ -137,12 +138,12 @@ fn mass_against_a_long_rod() {
         });
         assert!(error < 1e-6 * VELOCITY, "{error}");
     }
-    // e^{-Zt/M} has decayed to e^{-20}
+    // tolerance: e^{-Zt/M} has decayed to e^{-20}, and the alias is e^{-16}
     assert!((record.impulse() / (mass * VELOCITY) - 1.0).abs() < 1e-6);
 }
 
-/// Two masses with a spring between them: the force is half a sine, and the velocities after it are
-/// those of an elastic collision.
+/// Checks two masses with a spring between them: the force is half a sine, and the velocities after
+/// it are those of an elastic collision.
 #[test]
 fn masses_with_a_contact_spring() {
     let (m1, m2, stiffness) = (0.2, 0.5, 2e6);
@@ -160,7 +161,8 @@ fn masses_with_a_contact_spring() {
     let ContactEnd::Separated { time } = record.end else {
         panic!("{:?}", record.end)
     };
-    // error of the linear interpolation of the zero of the sine: at most (ωΔt)²/8 of a step
+    // tolerance: the linear interpolation of the zero of the sine has an error of at most (ωΔt)²/8
+    // of a step
     assert!((time - PI / omega).abs() < 1e-3 * interval, "{time}");
     // the Gaussian multiplies a sine by e^{-(σω)²/2}, which differs from 1 by 2e-5 here
     let rounded = (-0.5 * (2.5 * interval * omega).powi(2)).exp();
@@ -175,8 +177,8 @@ fn masses_with_a_contact_spring() {
     let error = deviation(&record, &record.force, &[0.0], exact) / peak;
     assert!(error < 1e-6, "{error}");
     let impulse = 2.0 * reduced * VELOCITY;
-    // At the beginning, the Gaussian does not reduce the impulse; at the end the force is cut at
-    // zero, at ωσ²/2 of the peak.
+    // Tolerance: the smoothed force is cut at its zero, which changes the impulse by the order of
+    // (ωσ)².
     assert!((record.impulse() / impulse - 1.0).abs() < (omega * 2.5 * interval).powi(2));
     let after = record.second_velocity.last().unwrap();
     assert!((after / (impulse / m2) - 1.0).abs() < (omega * 2.5 * interval).powi(2));
@@ -189,9 +191,9 @@ fn masses_with_a_contact_spring() {
     assert!((lost - 1.0).abs() < 1e-3, "{lost}");
 }
 
-/// A damped cone hits a long steel rod with its narrow end. Until the end of the contact, the faces
-/// move together. The cone loses the impulse, and its vibration decays to the remaining velocity.
-/// The energy in the rod is ∫F²/Z dt.
+/// Checks the impact of a damped cone that hits a long steel rod with its narrow end: until the end
+/// of the contact, the faces move together. The cone loses the impulse, and its vibration decays to
+/// the remaining velocity. The energy in the rod is ∫F²/Z dt.
 #[test]
 fn balances_of_a_damped_cone() {
     let nylon = Medium::new(1150.0, ConstantQ::new(3.0e9, 0.094, 2e4).unwrap()).unwrap();
@@ -223,8 +225,8 @@ fn balances_of_a_damped_cone() {
     let mass = cone.free_mass().unwrap();
     let left = VELOCITY - record.impulse() / mass;
     let last = record.first_velocity.last().unwrap();
-    // the lowest mode, near 2 kHz with a loss factor of 0.094, has decayed to e^{-20}; the alias is
-    // e^{-16}
+    // tolerance: the lowest mode, near 2 kHz with a loss factor of 0.094, has decayed to e^{-20};
+    // the alias is e^{-16}
     assert!((last - left).abs() < 1e-5 * VELOCITY, "{last} {left}");
     let squares = record.force.iter().map(|force| force * force / z);
     let in_rod = interval * squares.sum::<f64>();

@@ -36,10 +36,11 @@ fn support() -> impl Strategy<Value = EndSupport> {
 }
 
 proptest! {
-    /// Paper B, eqs. 6-7, for any ends, any distance and both kinds of excitation. The strains are
-    /// the sum of two waves whose magnitudes differ by up to e^{αL} (αL < 4 here). Near a node of
-    /// the middle section, where ε₀ vanishes, the relation is tested relative to the terms that
-    /// cancel: ε₁ + ε₂ = 2ε₀ cosh γa, to 1e-11 of the largest term (Ödeen 1993, paper B, eq. 5).
+    /// Checks paper B, eqs. 6-7, for any ends, any distance and both kinds of excitation. The
+    /// strains are the sum of two waves whose magnitudes differ by up to e^{αL} (αL < 4 here). Near
+    /// a node of the middle section, where ε₀ vanishes, the relation is tested relative to the
+    /// terms that cancel: ε₁ + ε₂ = 2ε₀ cosh γa, to 1e-11 of the largest term (Ödeen 1993, paper B,
+    /// eq. 5).
     #[test]
     fn three_point_relation(
         left in support(),
@@ -70,8 +71,8 @@ proptest! {
     }
 }
 
-/// Paper B, eqs. 1 and 2: ∂²ε/∂x² = γ²ε with γ² = -ρω²/E. The second derivative is computed from
-/// five strains at spacing h with |γ|h = 1/20; its error is (γh)⁴/90 = 7e-8 of γ²ε.
+/// Checks paper B, eqs. 1 and 2: ∂²ε/∂x² = γ²ε with γ² = -ρω²/E. The second derivative is computed
+/// from five strains at spacing h with |γ|h = 1/20; its error is (γh)⁴/90 = 7e-8 of γ²ε.
 #[test]
 fn strain_obeys_the_wave_equation() {
     let density = 919.0;
@@ -103,7 +104,8 @@ fn strain_obeys_the_wave_equation() {
     }
 }
 
-/// The strain histories depend on the ends of the rod: those of structures I and II differ.
+/// Checks that the strain histories of structures I and II differ as soon as the wave reflected by
+/// the lump has arrived.
 #[test]
 fn structures_one_and_two() {
     let bar = Medium::new(919.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap();
@@ -143,9 +145,10 @@ fn structures_one_and_two() {
     assert!(difference(300, 10_001) > 0.1);
 }
 
-/// Momentum: with masses at both ends and no connection to the ground, the final velocity is V =
-/// I/(m_L + M + m_R). The rod has transmitted I - m_L V through its left end and m_R V through its
-/// right end, and ∫N dt = A E₀ ∫ε dt with the relaxed modulus E₀.
+/// Checks the impulses through both ends of the rod: with masses at both ends and no connection to
+/// the ground, the final velocity is V = I/(m_L + M + m_R). The rod has transmitted I - m_L V
+/// through its left end and m_R V through its right end, and ∫N dt = A E₀ ∫ε dt with the relaxed
+/// modulus E₀.
 #[test]
 fn impulses_through_the_ends() {
     let zener = Zener::new(2.0e9, 2.6e9, 4e-5).unwrap();
@@ -176,14 +179,15 @@ fn impulses_through_the_ends() {
         (&record.strains[0], impulse - left * velocity),
         (&record.strains[1], right * velocity),
     ] {
-        // The lowest mode, at 0.4 kHz with a loss of 2.6 %, has decayed to e^{-6}... e^{-9}, and
-        // oscillates about zero.
+        // Tolerance: the lowest mode, at 0.4 kHz with a loss factor of 2.6 %, has decayed to
+        // e^{-6}... e^{-9}, and oscillates about zero.
         let error = carried(strains) / expected - 1.0;
         assert!(error.abs() < 1e-4, "{error}");
     }
 }
 
-/// The transforms of the histories, summed over a record that has decayed, equal the spectra.
+/// Compares the transforms of the histories, summed over a record that has decayed, with the
+/// spectra.
 #[test]
 fn histories_and_spectra_agree() {
     let bar = Medium::new(919.0, Zener::new(2.4e9, 2.6e9, 5e-5).unwrap()).unwrap();
@@ -218,8 +222,8 @@ fn histories_and_spectra_agree() {
             .sum();
         let rounded = (-0.5 * (2.5 * omega * interval).powi(2)).exp();
         let expected = rounded * member.strain_spectra(&excitation, &[omega]).unwrap()[0][0];
-        // the dashpot reflects 0.54 in each round trip of 1 ms; the alias is 1e-7; both are
-        // relative to the impulse of the strain
+        // tolerance, relative to the integral of the strain: the dashpot reflects 0.54 in each
+        // round trip of 1 ms, and the alias is 1e-7
         let scale = 50.0 * 1e-4 / (area() * 2.6e9);
         let error = (sum * interval - expected).norm() / scale;
         assert!(error < 1e-5, "{frequency_hz}: {error}");

@@ -112,8 +112,8 @@ fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
     }
 }
 
-/// Values of `at_s` equal those of `at` on the frequency axis, are real on the real axis, and obey
-/// the Cauchy-Riemann equations between the two.
+/// Checks that the values of `at_s` equal those of `at` on the frequency axis, are real on the real
+/// axis, and obey the Cauchy-Riemann equations between the two axes.
 #[test]
 fn laplace_laws_are_analytic_in_the_right_half_plane() {
     for Case { name, law, .. } in laplace_laws() {
@@ -130,7 +130,8 @@ fn laplace_laws_are_analytic_in_the_right_half_plane() {
             let along = (law.at_s(s + h) - law.at_s(s - h)) / (2.0 * h);
             let ih = Complex64::new(0.0, h);
             let across = (law.at_s(s + ih) - law.at_s(s - ih)) / (2.0 * ih);
-            // Central differences at h = 1e-4 |s|: truncation 1e-8 of E/|s|, rounding 1e-12 of it.
+            // Tolerance: central differences at h = 1e-4 |s| have a truncation error of 1e-8 and a
+            // rounding error of 1e-12 of E/|s|.
             assert!(
                 (along - across).norm() < 1e-7 * law.at_s(s).norm() / omega,
                 "{name} at {s}"
@@ -139,7 +140,8 @@ fn laplace_laws_are_analytic_in_the_right_half_plane() {
     }
 }
 
-/// A wave in a passive medium decays; in the damped transform it decays faster.
+/// Checks that a wave in a passive medium decays, and that it decays faster in the damped
+/// transform.
 struct WavesDecay;
 
 impl Battery for WavesDecay {
@@ -165,7 +167,7 @@ fn waves_decay_along_x_in_the_right_half_plane() {
     every_law(&WavesDecay);
 }
 
-/// Paper E, eqs. 4-6 and the statements below them, for every law that a medium can have.
+/// Checks paper E, eqs. 4-6, and the statements below them for a law of a medium.
 fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
     let medium = Medium::new(DENSITY, law).unwrap();
     assert_eq!(
@@ -181,7 +183,7 @@ fn medium_battery<L: PropagationLaw>(name: &str, law: L) {
             "{name} at {omega}: {gamma}"
         );
         assert!(modulus.im >= 0.0, "{name} at {omega}: {modulus}");
-        // About six roundings each; 1e-14 is 45 units in the last place.
+        // Tolerance: about six roundings each; 1e-14 is 45 units in the last place.
         let balance = gamma * gamma * modulus;
         assert!(
             close(balance, Complex64::from(-DENSITY * omega * omega), 1e-14),
@@ -339,7 +341,7 @@ fn impossible_materials_are_refused() {
     }
 }
 
-/// E'' of a fractional Zener model far above its relaxation, to the last digits: with p = (ωτ)^α
+/// Checks E'' of fractional models far above their relaxation, to the last digits: with p = (ωτ)^α
 /// e^{iπα/2}, it is ΔE Im p/|1 + p|².
 #[test]
 fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
@@ -363,9 +365,9 @@ fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
     }
 }
 
-/// A Havriliak-Negami model with a very small skewness exponent is ΔE β ln(1 + p), and ΔE β p far
-/// below its relaxation. Neither value may be lost in the difference between 1 and a number close
-/// to 1.
+/// Checks a Havriliak-Negami model with a very small skewness exponent, which is ΔE β ln(1 + p),
+/// and ΔE β p far below its relaxation. Neither value may be lost in the difference between 1 and a
+/// number close to 1.
 #[test]
 fn l9_small_shares_of_a_skew_relaxation_keep_their_digits() {
     let (time, alpha) = (1e-4, 0.6);
@@ -378,8 +380,8 @@ fn l9_small_shares_of_a_skew_relaxation_keep_their_digits() {
             let z = beta * logarithm;
             let exact = 1e9 / beta * z * (1.0 - 0.5 * z + z * z / 6.0);
             let found = law.at(omega) - 1e9;
-            // the increment 1e9/β, computed as a difference of moduli, has lost its last digits;
-            // the fourth term is 4e-11 at β = 1e-4
+            // tolerance: the increment 1e9/β, computed as a difference of moduli, has lost its last
+            // digits; the fourth term is 4e-11 at β = 1e-4
             assert!(
                 (found - exact).norm() < 1e-10 * exact.norm(),
                 "{beta} {omega}: {found} {exact}"

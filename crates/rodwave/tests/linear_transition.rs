@@ -5,8 +5,8 @@ use rodwave::RodwaveError;
 use rodwave::transition::TransitionMatrix;
 use testbed::difference::relative;
 
-/// Limits for large αL as the module states them: the mobility keeps its digits until the matrix
-/// overflows; the determinant does not.
+/// Checks the limits for large αL that the module states: the mobility keeps its digits until the
+/// matrix overflows; the determinant does not.
 #[test]
 fn large_damping_spoils_the_determinant_before_the_mobility() {
     let (z_a, z_b) = (Complex64::new(1100.0, 80.0), Complex64::new(900.0, -10.0));

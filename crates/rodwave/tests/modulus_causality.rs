@@ -13,7 +13,7 @@ use rodwave::modulus::{
 
 use crate::bodies::{nylon, prony};
 
-/// Creates a band from its ends in Hz, with 20 lines per decade.
+/// Returns the angular frequencies [rad/s] of a band from its ends in Hz, with 20 lines per decade.
 pub(crate) fn band(lowest_hz: f64, highest_hz: f64) -> Vec<f64> {
     let decades = (highest_hz / lowest_hz).log10();
     let mut omega = Vec::new();
@@ -51,8 +51,8 @@ pub(crate) fn laws() -> Vec<Box<dyn ComplexModulus>> {
     laws
 }
 
-/// The equilibrium modulus, the branches and the viscosity of the nearest material form a law whose
-/// values at the lines are those of the result.
+/// Checks that the equilibrium modulus, the branches and the viscosity of the nearest material form
+/// a law whose values at the lines are those of the result.
 #[test]
 fn nearest_material_has_the_values_of_its_lines() {
     let omega = band(500.0, 1e4);
@@ -64,19 +64,19 @@ fn nearest_material_has_the_values_of_its_lines() {
     for (line, &omega) in result.lines.iter().zip(&omega) {
         let dashpot = Complex64::new(0.0, omega * result.viscosity);
         let causal = prony.at_s(Complex64::new(0.0, omega)) + dashpot;
-        // Rounding of sums of about ten positive terms.
+        // Tolerance: rounding of sums of about ten positive terms.
         assert!((causal - line.causal_modulus).norm() < 1e-13 * causal.norm());
         assert!(((line.modulus - causal) / line.modulus.norm() - line.residual).norm() < 1e-13);
         sum += line.residual.norm_sqr();
     }
     let residual = (sum / omega.len() as f64).sqrt();
-    // 1e-14 of rounding in each line, relative to a residual of 1e-5.
+    // Tolerance: rounding of 1e-14 in each line, relative to a residual of 1e-5.
     assert!((residual / result.residual - 1.0).abs() < 1e-7);
 }
 
-/// Scatter of one per cent on a causal law is within the threshold that includes the scatter, and
-/// far beyond the threshold that does not. With such scatter, the power laws of paper E cannot be
-/// distinguished from a causal material.
+/// Checks that a causal law with a scatter of one per cent is within the threshold that includes
+/// the scatter, and beyond the threshold that does not. With such scatter, the power laws of paper
+/// E cannot be distinguished from a causal material.
 #[test]
 fn scatter_has_to_be_known() {
     let omega = band(500.0, 1e4);
@@ -106,8 +106,8 @@ fn scatter_has_to_be_known() {
     assert_eq!(verdict(&measured, 0.01), Verdict::Causal);
 }
 
-/// Each line is weighted by its own error: lines with large errors neither mask nor disturb the
-/// others.
+/// Checks that each line is weighted by its own error: lines with large errors neither mask nor
+/// disturb the others.
 #[test]
 fn lines_count_by_their_own_errors() {
     let omega = band(500.0, 1e4);
@@ -129,7 +129,7 @@ fn lines_count_by_their_own_errors() {
     let law = ConstantQ::new(2.6e9, 0.07, 1e4).unwrap();
     let causal = test(&measured(&|omega| law.at(omega)));
     assert_eq!(causal.verdict(), Verdict::Causal);
-    // the material itself is at a distance of exactly 1
+    // the residual of the material itself is exactly 1
     assert!(causal.residual <= 1.0 + 1e-3, "{}", causal.residual);
     let not_causal = measured(&|_| Complex64::new(2.6e9, 0.07 * 2.6e9));
     assert_eq!(test(&not_causal).verdict(), Verdict::NotCausal);
@@ -181,8 +181,8 @@ fn impossible_spectra_are_refused() {
     }
 }
 
-/// Standard normal numbers by the method of Box and Muller, from a linear congruential generator
-/// (MMIX by Knuth).
+/// Standard normal numbers by the Box-Muller method, from a linear congruential generator (MMIX by
+/// Knuth).
 fn normals(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     let mut uniform = move || {
@@ -194,8 +194,8 @@ fn normals(seed: u64) -> impl FnMut() -> f64 {
     move || (-2.0 * uniform().ln()).sqrt() * (TAU * uniform()).cos()
 }
 
-/// Constant loss factor of 0.1 at 60 lines from 0.5 to 10 kHz with 5 % of noise; unchanged, and
-/// with doubled losses.
+/// Tests a material with a constant loss factor of 0.1 at 60 lines from 0.5 to 10 kHz with 5 % of
+/// noise: the unchanged modulus must be causal, the modulus with doubled losses must not.
 #[test]
 fn f7_a_doubled_loss_is_found_beneath_the_noise() {
     let omega: Vec<f64> = (0..60)
@@ -220,14 +220,14 @@ fn f7_a_doubled_loss_is_found_beneath_the_noise() {
             found[case] += u64::from(tested.verdict() != Verdict::Causal);
         }
     }
-    // false alarms 0 to 1 %: more than two of 40 have a probability below 1 %; power of 95 % and more: 33 of 40
-    // or fewer have a probability of 0.1 %
+    // tolerance: with a rate of false alarms of 1 %, more than 2 of 40 have a probability below 1
+    // %; with a rate of detection of 95 %, 33 or fewer of 40 have a probability of 0.3 %
     assert!(found[0] <= 2, "false alarms {found:?}");
     assert!(found[1] >= 34, "{found:?}");
 }
 
-/// A Maxwell material that is wrong by 1.5 times a wavy common error: no relaxing material has
-/// these values unless the error is stated.
+/// Checks a Zener material whose values are wrong by 1.5 times a common error that oscillates with
+/// the frequency: no relaxing material has these values unless the error is stated.
 #[test]
 fn a_declared_common_error_is_no_violation() {
     let omega: Vec<f64> = (1..=100).map(|j| 500.0 * f64::from(j)).collect();

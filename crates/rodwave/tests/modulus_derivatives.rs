@@ -10,8 +10,7 @@ use rodwave::modulus::{
 
 use crate::bodies::{self, nylon, nylon_law, steel};
 
-/// Frequencies within three decades on either side of τ = 0.1 ms and ω₀ = 10⁴ rad/s, of either
-/// sign, and 0.
+/// Frequencies within three decades on either side of 1/τ = ω₀ = 10⁴ rad/s, of either sign, and 0.
 fn frequencies() -> Vec<f64> {
     let positive: Vec<f64> = (-12..=12)
         .map(|j| 1e4 * 10f64.powf(0.25 * f64::from(j)))
@@ -69,9 +68,8 @@ impl Battery for GradientsAreDerivatives {
                     moved[index] += h;
                     law.with_parameters(&moved).unwrap().at(omega)
                 });
-                // Truncation h⁴/30 = 3e-16 times a fifth derivative of at most E (ln ωτ)⁵ = 2e4 E;
-                // rounding 4e-15 of a parameter ln E = 22 over h: 1e-11 E. The value of a fluid at
-                // 10 rad/s is a lower bound of |E|.
+                // Tolerance: truncation h⁴/30 = 3e-16 times a fifth derivative of at most E (ln
+                // ωτ)⁵ = 2e4 E; rounding 4e-15 of a parameter ln E = 22 over h, 1e-11 E.
                 let scale = law.at(omega).norm();
                 assert!(
                     (derivative - differenced).norm() <= 1e-10 * scale,
@@ -95,7 +93,8 @@ impl Battery for ParametersRoundTrip {
         let parameters = law.parameters();
         let again = law.with_parameters(&parameters).unwrap();
         for omega in frequencies() {
-            // exp(ln p) equals p except for the rounding of ln p = 22, 2e-15, times some factors.
+            // Tolerance: exp(ln p) equals p except for the rounding of ln p = 22, 2e-15, times some
+            // factors.
             let change = (again.at(omega) - law.at(omega)).norm();
             assert!(change <= 2e-14 * law.at(omega).norm(), "{name} at {omega}");
         }
@@ -184,8 +183,8 @@ fn check_group_velocity<L: PropagationLaw + Clone>(name: &str, law: L) {
         } else {
             differenced.group_velocity(omega) / exact.group_velocity(omega)
         };
-        // As for the slope, with γ in place of E; k is of the magnitude of γ unless the loss is
-        // large.
+        // Tolerance: as for the slope, with γ in place of E; k is of the magnitude of γ unless the
+        // loss is large.
         assert!((ratio - 1.0).abs() < 1e-11, "{name} at {omega}");
     }
 }
@@ -210,8 +209,8 @@ fn group_velocity_is_the_derivative_of_frequency_by_wave_number() {
     assert!((steel.group_velocity(1e4) / steel.phase_velocity(1e4) - 1.0).abs() < 1e-15);
 }
 
-/// The slope of a table is that of its interpolation. The frequencies are further from the points
-/// than the ±0.2 % of the difference.
+/// Checks that the slope of a table is that of its interpolation. The frequencies are further from
+/// the points than the ±0.2 % of the difference.
 #[test]
 fn slope_of_a_table_is_that_of_its_interpolation() {
     let medium = nylon();
@@ -220,7 +219,8 @@ fn slope_of_a_table_is_that_of_its_interpolation() {
     let law = ValueOnly(Tabulated::new(&omega, &modulus).unwrap().held());
     for omega in omega.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])) {
         let change = (law.0.slope(omega) - law.slope(omega)).norm();
-        // Within an interval, the difference is exact for a cubic; rounding causes 3e-13.
+        // Tolerance: within an interval, the difference is exact for a cubic; rounding causes
+        // 3e-13.
         assert!(change < 2e-12 * law.at(omega).norm(), "{omega}");
     }
 }

@@ -27,7 +27,8 @@ fn lines_come_back_and_their_conjugates_at_negative_frequencies() {
     }
 }
 
-/// The law changes over some decades; at ten lines per decade, the spacing in ln ω is 0.23.
+/// Checks the order of the interpolation for a law that changes over some decades. At ten lines per
+/// decade, the spacing h in ln ω is 0.23.
 #[test]
 fn interpolation_is_of_third_order_between_the_lines() {
     let worst = |number: u32| {
@@ -39,8 +40,8 @@ fn interpolation_is_of_third_order_between_the_lines() {
             .fold(0.0, f64::max)
     };
     let (coarse, fine) = (worst(21), worst(41));
-    // h³/24 times third derivatives in ln ω of some per cent: 1e-5. Halving h reduces the error by
-    // a factor of 8, but of 4 near the maximum of E''.
+    // The error is h³/24 times third derivatives in ln ω of some per cent, 1e-5. Halving h reduces
+    // the error by a factor of 8, but of 4 near the maximum of E''.
     assert!(coarse < 1e-4, "{coarse:e}");
     assert!(fine < coarse / 3.5, "{coarse:e} {fine:e}");
 }
@@ -110,8 +111,8 @@ fn impossible_tables_are_refused() {
     assert!(Tabulated::new(&[0.0, 2.0, 3.0], &modulus).is_err());
 }
 
-/// Zener, fractional and constant-loss laws on 5 to 40 lines, evenly spaced in ω and in ln ω,
-/// compared with their closed forms at tenths of every interval.
+/// Compares the estimated with the true errors at tenths of every interval, for Zener, fractional
+/// and constant-loss laws on 5 to 40 lines, evenly spaced in ω and in ln ω.
 #[test]
 fn f8_the_error_of_interpolation_is_estimated() {
     let (from, to) = (TAU * 100.0, TAU * 10e3);

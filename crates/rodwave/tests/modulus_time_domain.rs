@@ -52,13 +52,13 @@ pub(crate) fn prony(equilibrium_modulus: f64) -> GeneralisedMaxwell {
     bodies::prony(equilibrium_modulus, &branches)
 }
 
-/// Times from 10 ns, a hundredth of a relaxation time or less, to 1 s.
+/// Times from 10 ns, which is at most a hundredth of every relaxation time, to 1 s.
 pub(crate) fn times() -> impl Iterator<Item = f64> {
     (0..=32).map(|j| 1e-8 * 10f64.powf(0.25 * f64::from(j)))
 }
 
-/// E decreases and J grows, and E(t) J(t) <= 1 (Zener, *Elasticity and Anelasticity of Metals*,
-/// 1948).
+/// Checks that E decreases and J grows, and that E(t) J(t) <= 1 (Zener, *Elasticity and
+/// Anelasticity of Metals*, 1948).
 #[test]
 fn relaxation_and_creep_are_monotonic_and_bound_each_other() {
     for (name, law) in laws() {
@@ -71,7 +71,7 @@ fn relaxation_and_creep_are_monotonic_and_bound_each_other() {
             })
             .collect();
         for (relaxation, creep) in &all {
-            // Rounding of about six operations.
+            // Tolerance: rounding of about six operations.
             assert!(relaxation * creep <= 1.0 + 1e-14, "{name}");
             assert!(*relaxation >= 0.0 && *creep > 0.0, "{name}");
         }

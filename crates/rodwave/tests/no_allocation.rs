@@ -1,6 +1,6 @@
 //! Code that runs millions of times allocates no memory: the steps of a march, and a chain at one
-//! frequency. A counting allocator watches the thread; everything is built before the counting
-//! starts.
+//! frequency. An allocator counts the allocations of the thread; everything is built before the
+//! counting starts.
 
 use std::hint::black_box;
 
@@ -22,8 +22,8 @@ fn the_allocator_counts() {
     assert_eq!(measure(|| drop(black_box(vec![1.0; 8]))).count_total, 1);
 }
 
-/// Advances from the first step until the windows have returned to the start of their buffers, and
-/// reads the results at each step.
+/// Checks that a march allocates no memory from its first step until its windows have returned to
+/// the start of their buffers, while the results are read at each step.
 fn march_allocates_nothing<L: InelasticLaw>(law: &L) {
     for (cells, velocity) in [(8, 9.0), (47, 9.0), (400, 9.0), (100, 60.0)] {
         let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();

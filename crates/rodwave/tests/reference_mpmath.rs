@@ -29,8 +29,8 @@ fn rows(table: &str, count: usize) -> Vec<(&str, Vec<f64>)> {
     rows
 }
 
-/// Returns the errors of the mobilities, and that of the long rod with γ and the impedance of
-/// Nylon-6.
+/// Returns the largest error of the mobilities of cone and cylinder, and the largest error of the
+/// mobility of the long rod and of γ and the impedance of Nylon-6.
 pub(crate) fn errors_of_chains(bodies: &Bodies) -> [f64; 2] {
     let (mut chains, mut medium) = (Vec::new(), Vec::new());
     for (quantity, row) in rows(CHAINS, 91) {
@@ -85,7 +85,8 @@ fn error_of_lateral_inertia() -> f64 {
     }))
 }
 
-/// Returns the error over twelve decades around the relaxation time, for orders from 0.1 to 1.
+/// Returns the error of relaxation and creep over twelve decades around the relaxation time, for
+/// orders from 0.1 to 1.
 fn error_of_fractional_relaxation() -> f64 {
     let rows = rows(FRACTIONAL, 78).into_iter();
     largest(rows.flat_map(|(_, row)| {
@@ -100,8 +101,8 @@ fn error_of_fractional_relaxation() -> f64 {
     }))
 }
 
-/// Returns the error of the exact flows of the second and third law, for steps from 1e-7 to 30
-/// relaxation times.
+/// Returns the error of the exact flows of Norton's law and of the law of Gurevich and Rabinovich,
+/// for steps from 1e-7 to 30 relaxation times.
 fn error_of_flows() -> f64 {
     let rows = rows(RELAXATION, 40).into_iter();
     largest(rows.map(|(law, row)| {

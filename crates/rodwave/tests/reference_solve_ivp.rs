@@ -50,8 +50,8 @@ fn extrapolated(fine: &[f64], coarse: &[f64]) -> Vec<f64> {
     pairs.map(|(f, c)| (4.0 * f - c) / 3.0).collect()
 }
 
-/// Calls `solve` with steps that are halved: the error is of second order, and the extrapolation
-/// from two steps is within `tolerance` of the reference.
+/// Checks that the error of `solve` is of second order in the step, and that the extrapolation from
+/// two steps is within `tolerance` of the reference.
 fn converges(
     name: &str,
     reference: &Reference,
@@ -67,14 +67,15 @@ fn converges(
     assert!(left < tolerance + reference.error, "{name}: {left:e} m/s");
 }
 
-/// Comparison with sixty masses integrated by `solve_ivp`: only the second-order error of the time
-/// step of the leapfrog scheme remains. The dispersion of the cells is the same in both.
+/// Compares the chain with sixty masses integrated by `solve_ivp`: only the second-order error of
+/// the time step of the leapfrog scheme remains. The dispersion of the cells is the same in both.
 #[test]
 fn the_lumped_chain_is_its_differential_equations() {
     fn check<L: InelasticLaw>(name: &str, law: L) {
         let reference = reference(CHAIN, name);
-        // steps of a sixteenth and a 32nd of the transit of a cell: errors of 6e-4 m/s and a
-        // quarter of it; after extrapolation the fourth order remains, 1e-4 of that
+        // with steps of a sixteenth and a 32nd of the transit of a cell, the errors are 6e-4 m/s
+        // and a quarter of it; tolerance: the fourth order that remains after the extrapolation,
+        // about 1e-4 of these errors
         converges(name, &reference, [16, 32], 1e-7, |parts| {
             LumpedRod::new(&rod(law.clone()), 60, 1.0 / parts as f64)
                 .unwrap()
@@ -90,14 +91,14 @@ fn the_lumped_chain_is_its_differential_equations() {
     );
 }
 
-/// Comparison with the continuous rod, whose reference uses collocation in space, neither cells nor
-/// characteristics.
+/// Compares the characteristics with the continuous rod, whose reference uses collocation in space,
+/// neither cells nor characteristics.
 #[test]
 fn characteristics_converge_to_the_collocated_rod() {
     fn check<L: InelasticLaw>(name: &str, law: L) {
         let reference = reference(CONTINUUM, name);
-        // 50 and 100 cells: errors of 7e-5 to 1e-3 m/s and a quarter of them; the fourth order that
-        // remains is the square of this error over 16 m/s
+        // with 50 and 100 cells, the errors are 7e-5 to 1e-3 m/s and a quarter of them; tolerance:
+        // the fourth order that remains is about the square of this error over 16 m/s
         converges(name, &reference, [50, 100], 1e-6, |cells| {
             DirectProblem::new(rod(law.clone()), cells)
                 .unwrap()

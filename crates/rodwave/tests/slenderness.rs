@@ -64,8 +64,8 @@ pub(crate) fn apparent_error_percent(theory: &dyn RodTheory, wavelength_in_diame
     100.0 * (bar_number(theory, wave.into()).re / wave - 1.0)
 }
 
-/// Returns the ω at which the wavelength 2π/k is `ratio` diameters, by the simplest form of regula
-/// falsi: k/ω hardly changes.
+/// Returns the ω at which the wavelength 2π/k is `ratio` diameters, by fixed-point iteration,
+/// because k/ω hardly changes.
 pub(crate) fn omega_of_wavelength(theory: &dyn RodTheory, modulus: Complex64, ratio: f64) -> f64 {
     let target = TAU / (ratio * 2.0 * RADIUS);
     let mut omega = target * (modulus.re / DENSITY).sqrt();
@@ -76,7 +76,8 @@ pub(crate) fn omega_of_wavelength(theory: &dyn RodTheory, modulus: Complex64, ra
     omega
 }
 
-/// The error at λ = 5D increases with Poisson's ratio and is below 5 per cent for all values.
+/// Checks that the error at λ = 5D increases with Poisson's ratio and is below 5 per cent for all
+/// values.
 #[test]
 fn condition_i_is_worst_for_an_incompressible_rod() {
     let errors =
@@ -84,8 +85,8 @@ fn condition_i_is_worst_for_an_incompressible_rod() {
     assert!(errors.is_sorted_by(|a, b| a > b && *b > -5.0), "{errors:?}");
 }
 
-/// B/K = 1 - ½ν²K + b₂K² + O(K³), b₂ from the power series of the Bessel functions by computer
-/// algebra. The remainder must fall as K³.
+/// Checks that the remainder of B/K = 1 - ½ν²K + b₂K² + O(K³) falls as K³, with b₂ from the power
+/// series of the Bessel functions by computer algebra.
 #[test]
 fn long_waves_have_the_asymptotic_series() {
     for nu in [-0.5_f64, 0.1, 0.35, 0.5] {
@@ -96,8 +97,8 @@ fn long_waves_have_the_asymptotic_series() {
             (ratio - (1.0 - 0.5 * nu * nu * wave + b2 * wave * wave)).abs()
         };
         let (coarse, fine) = (remainder(0.04), remainder(0.02));
-        // 2³ = 8, with 20 % for the next order. The remainder is some 1e-3 ν² K³, far above
-        // rounding
+        // The factor is 2³ = 8; tolerance: 20 % for the next order. The remainder is some 1e-3 ν²
+        // K³, far above rounding
         assert!(
             (coarse / fine - 8.0).abs() < 1.6,
             "{nu}: {coarse:e} {fine:e}"
@@ -111,7 +112,8 @@ fn long_waves_have_the_asymptotic_series() {
     }
 }
 
-/// For small ν, the correction is of order ν² as long as the second branch is far away.
+/// Checks that, for small ν, the correction is of order ν² as long as the second branch is far
+/// away.
 #[test]
 fn small_lateral_contraction_corrects_little() {
     for nu in [1e-9, 1e-5, 1e-3] {
@@ -120,8 +122,8 @@ fn small_lateral_contraction_corrects_little() {
     }
 }
 
-/// Branches that almost cross, ν = 1e-3 near ka = 1.84: the branch of an elastic rod turns away,
-/// that of a lossy rod continues straight.
+/// Checks branches that almost cross, ν = 1e-3 near ka = 1.84: the branch of an elastic rod turns
+/// away, that of a lossy rod continues straight.
 #[test]
 fn veering_is_followed_not_jumped() {
     let bar = 3.8;
@@ -143,9 +145,9 @@ fn veering_is_followed_not_jumped() {
     assert!((reached * bar.sqrt() - 1.8412).abs() < 1e-3, "{reached}");
 }
 
-/// A square with the same polar radius of gyration as a circle carries the same waves. k_p² = (b² +
-/// h²)/12 is the mean of x² + y² over the area, computed here by Simpson's rule, which is exact for
-/// it.
+/// Checks that a rectangle with the same polar radius of gyration as a circle carries the same
+/// waves. k_p² = (b² + h²)/12 is the mean of x² + y² over the area, computed here by Simpson's
+/// rule, which is exact for a quadratic function.
 #[test]
 fn rectangle_enters_by_its_polar_radius_of_gyration() {
     let (width, height) = (0.012, 0.007);
@@ -179,22 +181,23 @@ fn rectangle_enters_by_its_polar_radius_of_gyration() {
     assert!((of_rectangle / of_circle - 1.0).norm() < 1e-14);
 }
 
-/// Check of the relative error 2 δν/ν, which follows from Love's theory.
+/// Checks the relative error 2 δν/ν, which follows from Love's theory.
 #[test]
 fn standard_error_by_poissons_ratio() {
     let gamma = Complex64::new(4.0, 90.0); // λ = 4.4 D
     let corrected = exact(0.4).modulus(gamma, 1.5e5).unwrap().found().unwrap();
     let error = corrected.standard_error(0.02).unwrap();
     let correction = (corrected.modulus - corrected.apparent_modulus).norm();
-    // 2 δν/ν = 0.1 of the correction is the leading term; the next term may add 20 % at λ = 4.4 D
+    // 2 δν/ν = 0.1 of the correction is the leading term; tolerance: the next term may add 20 % at
+    // λ = 4.4 D
     assert!((error.storage_modulus / correction / 0.1 - 1.0).abs() < 0.2);
     // E'' is hardly affected; the relative error of E''/E' is therefore that of E', again to 20 %
     let relative = error.loss_factor / corrected.loss_factor();
     assert!((relative / (error.storage_modulus / corrected.modulus.re) - 1.0).abs() < 0.2);
 }
 
-/// Effect of a small imaginary part of Poisson's ratio on the loss factor, compared with the number
-/// in the documentation of the module.
+/// Compares the effect of a small imaginary part of Poisson's ratio on the loss factor with the
+/// number in the documentation of the module.
 #[test]
 fn imaginary_part_of_poissons_ratio_lowers_the_loss_factor() {
     let modulus = MODULUS * Complex64::new(1.0, 0.08);
@@ -209,8 +212,9 @@ fn imaginary_part_of_poissons_ratio_lowers_the_loss_factor() {
     assert!((change.im + 0.0012).abs() < 5e-5, "{change}"); // to the printed digits
 }
 
-/// Stated errors compared with the exact theory: the terms K³ and beyond are up to a quarter of
-/// Love's error, K², at λ = 3D, and therefore 6 % of the whole error.
+/// Compares the stated errors with the exact theory. Tolerance: the terms of order K³ and beyond
+/// are up to a quarter of Love's error, of order K², at λ = 3D, and therefore 6 % of the whole
+/// error.
 #[test]
 fn error_left_by_each_theory_is_that_against_the_exact_one() {
     for nu in [0.2, 0.3, 0.4, 0.5] {
@@ -234,7 +238,8 @@ fn error_left_by_each_theory_is_that_against_the_exact_one() {
     }
 }
 
-/// γ = 0 at ω = 0, complex conjugate at -ω, and the elementary modulus is that of `medium`.
+/// Checks that γ is 0 at ω = 0 and the complex conjugate at -ω, and that the elementary modulus is
+/// that of `medium`.
 #[test]
 fn conventions_are_those_of_the_medium() {
     let modulus = MODULUS * Complex64::new(1.0, 0.1);
@@ -311,8 +316,8 @@ fn unphysical_input_is_refused() {
     assert!(Theory::LoveRayleigh.error_left(0.0, 0.4).is_err());
 }
 
-/// If losses are high, two moduli can have the same short wave on their first branches. The
-/// documentation states which one is returned.
+/// Checks an example of high losses in which two moduli have the same short wave on their first
+/// branches. The documentation states which one is returned.
 #[test]
 fn short_wave_in_a_lossy_rod_has_two_moduli() {
     let (nu, bar) = (-0.2334730977594613, 5.8641233886872765);
@@ -333,8 +338,8 @@ fn short_wave_in_a_lossy_rod_has_two_moduli() {
     assert!((wave(other) / gamma - 1.0).norm() < 1e-10); // both are roots to rounding
 }
 
-/// A modulus found from γ whose first branch does not have this γ is not returned; the example is a
-/// heavily damped auxetic rod.
+/// Checks that a modulus found from γ whose first branch does not have this γ is not returned, with
+/// a heavily damped auxetic rod as an example.
 #[test]
 fn modulus_of_another_branch_is_withheld() {
     let gamma = Complex64::new(0.5, 1.0) * 1.95 / RADIUS;
@@ -343,8 +348,8 @@ fn modulus_of_another_branch_is_withheld() {
 }
 
 proptest! {
-    /// A round trip through each theory gives the modulus again, and a passive rod damps: α >= 0 if
-    /// E'' >= 0.
+    /// Checks that a round trip through each theory gives the modulus again, and that a passive rod
+    /// damps: α >= 0 if E'' >= 0.
     #[test]
     fn modulus_survives_the_round_trip(
         nu in 0.0..0.5f64,
@@ -358,13 +363,13 @@ proptest! {
             let gamma = theory.propagation_coefficient(modulus, omega).unwrap().found().unwrap();
             prop_assert!(gamma.im > 0.0 && gamma.re >= -1e-12 * gamma.im, "{gamma}");
             let back = theory.modulus(gamma, omega).unwrap().found().unwrap().modulus;
-            // rounding, magnified if the second branch is near
+            // tolerance: rounding, magnified if the second branch is near
             prop_assert!((back / modulus - 1.0).norm() < 1e-10, "{back} {modulus}");
         }
     }
 
-    /// A modulus returned for a wave has this wave on its first branch, at any frequency and loss,
-    /// even if other moduli do too.
+    /// Checks that a modulus returned for a wave has this wave on its first branch, at any
+    /// frequency and loss, even if other moduli have it too.
     #[test]
     fn modulus_leads_back_to_the_wave(
         nu in -0.9..0.5f64,
@@ -374,7 +379,7 @@ proptest! {
         let gamma = Complex64::new(attenuation, 1.0) * root_wave / RADIUS;
         if let Some(found) = exact(nu).modulus(gamma, 3e5).unwrap().found() {
             let back = exact(nu).propagation_coefficient(found.modulus, 3e5).unwrap().found().unwrap();
-            // the method requires 1e-6 of γ²; most cases are much better
+            // tolerance: the method requires 1e-6 of γ²; most cases are much better
             prop_assert!((back / gamma - 1.0).norm() < 1e-6, "{back} {gamma}");
         }
     }

@@ -27,8 +27,8 @@ fn square_wave(time: f64) -> f64 {
     if phase < 0.5 { plateau } else { -plateau }
 }
 
-/// Largest error, relative to the plateau, at samples from time 0 that are further than `margin`
-/// from every jump.
+/// Largest error, relative to the plateau, at samples between time 0 and `end` that are further
+/// than `margin` from every jump.
 fn largest_error(history: &SynthesizedHistory, margin: f64, end: f64) -> f64 {
     let plateau = 0.5 * impedance() * VELOCITY;
     let half_period = 2.0 * transit_time();
@@ -45,9 +45,10 @@ fn largest_error(history: &SynthesizedHistory, margin: f64, end: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The plain transform of the same impact sums the undamped force over all periods. In the best
-/// case, half a period of the force remains: plateaus of alternating sign, 1 - 1 + 1 - ... = 1/2,
-/// half of the force. With a whole number of periods of the force, a line coincides with a pole.
+/// Checks that the plain transform gives a wrong force, because it sums the undamped force over all
+/// periods. In the best case, half a period of the force remains: plateaus of alternating sign, 1 -
+/// 1 + 1 - ... = 1/2, half of the force. With a whole number of periods of the force, a line
+/// coincides with a pole.
 #[test]
 fn two_free_elastic_rods_by_the_plain_transform() {
     let rod = Chain::from_impact_face()
@@ -96,8 +97,8 @@ fn impossible_syntheses_are_refused() {
     );
 }
 
-/// A raised cosine of 80 us, in steps of an eighth of the sampling interval at 51.2 kHz, smoothed
-/// and compared with its closed form.
+/// Compares a smoothed raised cosine of 80 µs, in steps of an eighth of the sampling interval at
+/// 51.2 kHz, with its closed form.
 #[test]
 fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     let (length, interval) = (80e-6, 1.0 / (8.0 * 51_200.0));
@@ -130,12 +131,13 @@ fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     };
     // sigma^2/2 times the curvature at the peak, 2 pi^2/T^2: 5.7 %
     assert!(largest_error(&smoothed) > 0.05);
-    // content of the pulse beyond the smoothing, because its curvature jumps at the ends: sigma^2/2
-    // times half the jump; the sidelobes of the kernel reduce it to less than a tenth
+    // tolerance: the pulse has content beyond the smoothing, because its curvature jumps at the
+    // ends: sigma^2/2 times half the jump, which the sidelobes of the kernel reduce to less than a
+    // tenth
     assert!(largest_error(&smoothed.flat()) < 0.006);
     let samples = blow(&smoothed.flat()).samples;
     let peak = samples.into_iter().fold(0.0_f64, f64::max);
-    // the peak is 6.5 sigma from either end; a step of an eighth of a sample may miss it by
-    // (pi/32)^2/4
+    // tolerance: the peak is 6.5 sigma from either end; a step of an eighth of a sample may miss it
+    // by (pi/32)^2/4
     assert!((peak - 1.0).abs() < 3e-3, "{peak}");
 }

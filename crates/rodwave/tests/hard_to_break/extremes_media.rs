@@ -11,15 +11,15 @@ use rodwave::modulus::{
 };
 use rodwave::{Chain, Termination};
 
-/// α and k by the half angle of the modulus, without a root of a complex number.
+/// α and k from half of the phase angle of the modulus, without a root of a complex number.
 fn by_half_angle(storage: f64, loss_factor: f64, omega: f64, density: f64) -> (f64, f64) {
     let half = 0.5 * loss_factor.atan();
     let slowness = (density / (storage * loss_factor.hypot(1.0))).sqrt();
     (omega * slowness * half.sin(), omega * slowness * half.cos())
 }
 
-/// Accuracy of α and k for tan δ from 1e-12 to 1e6 and 1 mHz to 1 THz: some units in the last place
-/// of each, however small α is relative to k.
+/// Checks that α and k are accurate to some units in their last place for tan δ from 1e-12 to 1e6
+/// and 1 nHz to 1 THz, however small α is relative to k.
 #[test]
 fn damping_and_wave_number_keep_their_digits() {
     for exponent in -12..=6 {
@@ -53,7 +53,7 @@ fn damping_and_wave_number_keep_their_digits() {
     }
 }
 
-/// Laws whose loss factor has a closed form reproduce it from 1e-12 to 1e6.
+/// Checks that laws whose loss factor has a closed form reproduce it from 1e-13 to 1e6.
 #[test]
 fn laws_keep_their_loss_factors() {
     for exponent in -12..=6 {
@@ -74,8 +74,8 @@ fn laws_keep_their_loss_factors() {
     }
 }
 
-/// No wave returns from the far end at αL = 1e4, and the mobility is that of an infinite rod. No
-/// number overflows on the way.
+/// Checks that no wave returns from the far end at αL from 50 to 1e8, so that the mobility is that
+/// of an infinite rod, and that no number overflows.
 #[test]
 fn strong_attenuation_leaves_an_infinite_rod() {
     for (loss_factor, length) in [(1e-3, 1e6), (0.1, 2e4), (1.0, 1e3), (10.0, 1e3)] {
@@ -123,8 +123,8 @@ fn strong_attenuation_leaves_an_infinite_rod() {
     }
 }
 
-/// Products of matrices that overflow although each factor is finite are rejected, not returned as
-/// infinite.
+/// Checks that products of matrices that overflow although each factor is finite are rejected, not
+/// returned as infinite.
 #[test]
 fn products_that_overflow_are_refused() {
     let medium = Medium::new(1150.0, ConstantQ::new(3e9, 0.1, 1e4).unwrap()).unwrap();
@@ -143,8 +143,8 @@ fn products_that_overflow_are_refused() {
     assert!(chain.mobility(1e4).is_ok());
 }
 
-/// Rods from a millimetre to a kilometre and frequencies from 1 nHz to 1 THz give a number or, if
-/// no wave reaches the far end, an error.
+/// Checks that rods from a millimetre to a kilometre at frequencies from 1 nHz to 1 THz give a
+/// number or, if no wave reaches the far end, an error.
 #[test]
 fn rods_of_all_lengths() {
     let medium = Medium::new(1150.0, ConstantQ::new(3e9, 0.05, 1e4).unwrap()).unwrap();
@@ -184,8 +184,8 @@ fn rods_of_all_lengths() {
     assert!(refused > 0); // no terahertz wave passes a kilometre of polymer
 }
 
-/// Creep of a fractional Zener material of very small exponent: the retardation time overflows, its
-/// power does not. E_α(-z) → 1/(1 + z) as α → 0, to O(α).
+/// Checks the creep of a fractional Zener material of very small exponent, whose retardation time
+/// overflows although the power of this time does not. E_α(-z) → 1/(1 + z) as α → 0, to O(α).
 #[test]
 fn creep_of_small_exponents() {
     for exponent in [1e-3, 1e-5, 1e-8] {
@@ -201,8 +201,8 @@ fn creep_of_small_exponents() {
     }
 }
 
-/// Far above its relaxation, where the square of ωτ overflows, a material has its unrelaxed
-/// modulus.
+/// Checks that a material has its unrelaxed modulus far above its relaxation, also where the square
+/// of ωτ overflows.
 #[test]
 fn far_above_its_relaxation_a_material_is_its_glass() {
     for exponent in [10, 100, 150, 160, 200, 290] {

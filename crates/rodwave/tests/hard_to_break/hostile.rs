@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Hostile arguments: NaN and infinities, zeros of both signs, denormals, the limits of the range,
-/// squares that overflow or vanish, and sizes that no rod has.
+/// numbers whose squares overflow or vanish, and sizes that no rod has.
 pub(crate) const HOSTILE: [f64; 28] = [
     f64::NAN,
     f64::INFINITY,
@@ -83,7 +83,7 @@ pub(crate) fn are_modest(arguments: &[f64]) -> bool {
 
 impl<E: Display> Findings<E> {
     /// Calls `function` with the arguments `sound`, which must succeed, and then with an extreme
-    /// one in each place.
+    /// argument in each place.
     pub(crate) fn sweep(
         &mut self,
         name: &str,
@@ -151,7 +151,7 @@ impl<E: Display> Findings<E> {
         self.lines.push(format!("{name}{arguments:?}: {what}"));
     }
 
-    /// Fails if there are findings, and prints about sixty of them at most.
+    /// Fails if there are findings, and prints at most sixty of them.
     pub(crate) fn none(self) {
         let stride = self.lines.len().div_ceil(60).max(1);
         let some: Vec<&str> = self

@@ -66,7 +66,7 @@ fn syntheses() {
     findings.none();
 }
 
-/// Sizes that would fill the memory or take too long are rejected.
+/// Checks that sizes that would fill the memory or take too long are rejected.
 #[test]
 fn absurd_counts() {
     let rod = || InelasticRod::new(0.4, 1140.0, 3.2e9, Elastic).unwrap();
@@ -199,8 +199,7 @@ fn impacts() {
     findings.none();
 }
 
-/// Returns true if a march of so many steps and cells is possible but takes long; it is then not
-/// rejected.
+/// Returns true if a march of this many steps and cells is allowed but takes too long for a test.
 fn is_long(steps: f64, cells: f64) -> bool {
     steps * cells > 2e5 && steps < 1e9 && cells < 2e8
 }

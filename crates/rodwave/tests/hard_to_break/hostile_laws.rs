@@ -204,7 +204,7 @@ fn inelastic<L: InelasticLaw>(law: &L, modulus: f64, duration: f64, stress: f64)
     Ok(numbers)
 }
 
-/// The solver creates a flow from checked moduli and steps and evaluates it at finite stresses. A
+/// Checks flows as the solver uses them, with checked moduli and steps and at finite stresses. A
 /// NaN from the law would spread through the rod unnoticed.
 #[test]
 fn inelastic_laws() {

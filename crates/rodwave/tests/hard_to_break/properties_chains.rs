@@ -18,8 +18,8 @@ fn cases(seed: u64) -> ProptestConfig {
     }
 }
 
-/// An element described by numbers: kind, material, two areas, and a length, from which masses and
-/// stiffnesses also follow.
+/// An element described by numbers: kind, material, two areas and a length. Masses, stiffnesses and
+/// resistances follow from the first area.
 type Part = (u8, u8, f64, f64, f64);
 
 fn any_part() -> impl Strategy<Value = Part> {
@@ -93,9 +93,9 @@ fn reversed(parts: &[Part]) -> Chain {
     row.end(Termination::Free).unwrap()
 }
 
-/// Factor of accuracy that the recursion may lose: near an antiresonance, the response of an
-/// undamped body is the difference of two large numbers, which the growth of the product of
-/// matrices bounds.
+/// Factor by which the recursion may lose accuracy: near an antiresonance, the response of an
+/// undamped body is the difference of two large numbers, which are bounded by the products of the
+/// entries of the plain matrix.
 fn loss(chain: &Chain, omega: f64) -> f64 {
     let [[a, b], [c, d]] = chain.transition_matrix(omega).unwrap().entries();
     ((a * d).norm() + (b * c).norm()).max(1.0)
@@ -104,7 +104,7 @@ fn loss(chain: &Chain, omega: f64) -> f64 {
 proptest! {
     #![proptest_config(cases(1))]
 
-    /// The far face of a reversed body responds as the impact face of the original does.
+    /// Checks that the far face of a reversed body responds like the impact face of the original.
     #[test]
     fn a_turned_body_has_its_mobilities_exchanged(parts in any_parts(), omega in any_omega()) {
         let (there, back) = (chain(&parts), reversed(&parts));
@@ -119,7 +119,8 @@ proptest! {
         }
     }
 
-    /// The velocity of one face due to a force at the other is the same in both directions.
+    /// Checks that the velocity of one face due to a force at the other is the same in both
+    /// directions.
     #[test]
     fn transfer_mobilities_are_reciprocal(parts in any_parts(), omega in any_omega()) {
         // a massless last element makes the far face a section that can be evaluated
@@ -143,8 +144,8 @@ proptest! {
         prop_assert!((one - other).norm() < 1e-11 * lost * one.norm(), "{one} {other}");
     }
 
-    /// The flow of power never increases along the body: no element has a negative loss, and no
-    /// power leaves a free end.
+    /// Checks that the flow of power never increases along the body, because no element has a
+    /// negative loss, and is never negative.
     #[test]
     fn power_only_dwindles_on_its_way(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);
@@ -161,14 +162,15 @@ proptest! {
         for element in 0..chain.n_elements() {
             let (power, size) = flow(element);
             largest = largest.max(size);
-            // rounding of flows that are almost purely reactive
+            // tolerance: rounding of flows that are almost purely reactive
             prop_assert!(power <= before + 1e-11 * largest, "element {element}: {power} after {before}");
             prop_assert!(power >= -1e-11 * largest);
             before = power;
         }
     }
 
-    /// A real force causes a real velocity: the value at -ω is the conjugate.
+    /// Checks that the mobility at -ω is the conjugate, because a real force causes a real
+    /// velocity.
     #[test]
     fn negative_frequencies_are_conjugate(parts in any_parts(), omega in any_omega()) {
         let chain = chain(&parts);
@@ -176,7 +178,7 @@ proptest! {
         prop_assert_eq!(plus.conj(), minus);
     }
 
-    /// The choice of units has no effect: powers of two are exact, and so is the scaled mobility.
+    /// Checks that the choice of units has no effect. Powers of two scale the input exactly.
     #[test]
     fn units_are_a_matter_of_taste(
         length in 0.01..2.0_f64, area in 1e-6..1e-2_f64, omega in any_omega(), m in -20..20_i32, s in -20..20_i32, kg in -20..20_i32,
@@ -196,7 +198,8 @@ proptest! {
         };
         let here = mobility(1.0, 1.0, 1.0, 1.0);
         let there: Complex64 = mobility(metre, second, kilogram, pascal) * (kilogram / second);
-        // 1e-11: γ is computed by a root in polar form, and its rounding error is multiplied by kL
+        // tolerance: γ is computed by a root in polar form, and its rounding error is multiplied by
+        // kL
         prop_assert!((here - there).norm() < 1e-11 * here.norm(), "{here} {there}");
     }
 }

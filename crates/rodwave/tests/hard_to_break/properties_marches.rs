@@ -34,8 +34,8 @@ fn push(time: f64) -> f64 {
 proptest! {
     #![proptest_config(cases(48, 3))]
 
-    /// A striker and a rod exchange momentum and lose none. Energy is lost in the material and, to
-    /// a small extent, when the contact closes; none is created.
+    /// Checks that a striker and a rod exchange momentum and lose none. Energy is lost in the
+    /// material and, to a small extent, when the contact closes; none is created.
     #[test]
     fn impacts_keep_momentum(
         length in 0.01..0.1_f64, diameter in 0.005..0.03_f64, density in 900.0..9000.0_f64, modulus in 9.0..11.5_f64,
@@ -52,17 +52,17 @@ proptest! {
         let cell = (0.2 * length / speeds).min(4e-3).min(length / 8.0);
         let history = test.run(cell, 3e-4).unwrap();
         let balance = history.balance;
-        // rounding of sums over thousands of steps
+        // tolerance: rounding of sums over thousands of steps
         prop_assert!(balance.momentum_residual.abs() < 1e-10, "{balance:?}");
         let after = balance.energy_after + balance.energy_dissipated;
-        // the staggered grid conserves energy to second order in the Courant number
+        // tolerance: the staggered grid conserves energy to second order in the Courant number
         prop_assert!(after <= 1.02 * balance.energy_before, "{balance:?}");
         prop_assert!(balance.energy_dissipated >= -1e-9 * balance.energy_before);
         prop_assert!(history.contact_force.iter().all(|force| *force >= 0.0));
     }
 }
 
-/// Steps so long, or exponents so high, that powers overflow. For κ → ∞ the law is perfectly
+/// Checks steps so long, or exponents so high, that powers overflow. For κ → ∞ the law is perfectly
 /// plastic, and the stress falls to σ_ref (n E h r/σ_ref)^{-1/n}, whatever its initial value is.
 #[test]
 fn very_nonlinear_laws_do_not_overflow() {
@@ -104,8 +104,8 @@ fn very_nonlinear_laws_do_not_overflow() {
     }
 }
 
-/// An explicit chain creates energy if a material relaxes within one step. This is reported, and
-/// shorter cells avoid it.
+/// Checks that the test reports the energy that an explicit chain creates if a material relaxes
+/// within one step, and that shorter cells avoid it.
 #[test]
 fn stiff_impacts_are_refused() {
     let test = ImpactTest {
@@ -129,8 +129,8 @@ fn stiff_impacts_are_refused() {
     );
 }
 
-/// In a linear rod, twice the excitation causes exactly twice the response, and the response to two
-/// excitations is the sum of their responses.
+/// Checks that, in a linear rod, twice the excitation causes exactly twice the response, and the
+/// response to two excitations is the sum of their responses.
 #[test]
 fn linear_rods_superpose() {
     // waves of 2000 m/s: a step is 1 µs and a sample 5 µs, so that a delay by samples is a delay by
@@ -171,7 +171,7 @@ fn linear_rods_superpose() {
     }
 }
 
-/// A nonlinear march scales exactly if lengths, times and masses are scaled by powers of two.
+/// Checks that a nonlinear march scales if lengths, times and masses are scaled by powers of two.
 #[test]
 fn marches_scale() {
     let run = |metre: f64, second: f64, kilogram: f64| {
@@ -202,8 +202,7 @@ fn marches_scale() {
     }
 }
 
-/// Synthesis of ten million samples, and a march of a million steps: results are accurate, and
-/// memory and time suffice.
+/// Checks a synthesis with a period of ten million samples, and a march of a million steps.
 #[test]
 fn long_records() {
     let synthesis = DampedSynthesis::new(10.0, 2e-6).unwrap();
@@ -229,6 +228,6 @@ fn long_records() {
         march.advance().unwrap();
     }
     let ledger = march.ledger();
-    // a million steps, each with a random rounding error
+    // tolerance: a million steps, each with a random rounding error
     assert!(ledger.energy_residual().abs() < 1e-11 * ledger.stored);
 }
