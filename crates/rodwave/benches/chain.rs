@@ -57,7 +57,7 @@ where
     builder.end(Termination::Free).unwrap()
 }
 
-/// Highest angular frequency \[rad/s\]: a rod is 4.8 rad long at this frequency if it is elastic.
+/// Highest angular frequency \[rad/s\]: at this frequency, kL of an elastic rod is 4.8 rad.
 const TOP: f64 = 245_760.0;
 
 fn measure(

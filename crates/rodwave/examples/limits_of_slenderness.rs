@@ -49,8 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Relative errors of E' in per cent by the elementary theory, by Love's, and by that of Mindlin
-/// and Herrmann.
+/// Relative errors of E' in per cent by elementary theory, by Love's theory, and by the theory of
+/// Mindlin and Herrmann.
 fn errors(poisson_ratio: f64) -> Result<Vec<Mark>, Box<dyn Error>> {
     // At a given wave number, neither density nor modulus affects the error.
     let rod = RoundRod {
