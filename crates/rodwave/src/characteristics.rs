@@ -245,7 +245,7 @@ impl<L: InelasticLaw> March<L> {
             dissipated: 0.0,
         };
         march.wave.impose_velocity(velocity);
-        // the half cell at the driven end moves with `velocity` from the start; its energy has been
+        // the half cell at the driven end moves at `velocity` from the start; its energy has been
         // supplied
         let stored = march.stored();
         march.supplied = stored;

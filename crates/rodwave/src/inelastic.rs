@@ -113,7 +113,7 @@ pub trait RelaxationFlow {
 
     /// Stress after the relaxation, with its derivatives. The derivatives with respect to the
     /// parameters of the law are written to `by_parameter`, which has one entry per parameter. If
-    /// the slice has another length, as many entries are written as fit.
+    /// the slice has another length, only the entries that fit are written.
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
 
     /// Stress after minus stress before \[Pa\], for several cells.
@@ -186,7 +186,7 @@ pub struct StressChange {
     pub by_parameter: [[f64; LANES]; MAX_PARAMETERS],
 }
 
-/// Checks that a law with `N` parameters gets as many.
+/// Checks that the array has `N` entries, one per parameter of the law.
 fn check_count<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveError> {
     parameters
         .try_into()

@@ -207,8 +207,7 @@ impl KramersKronig {
     }
 
     /// Tests values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s]. Each value has the
-    /// relative standard error `relative_error`, (E|δE|²)^½/|E| of both parts together; 0 for a
-    /// law.
+    /// relative standard error `relative_error`, ⟨|δE|²⟩^½/|E| of both parts together; 0 for a law.
     ///
     /// The scatter of n lines adds its mean plus three standard deviations to the threshold,
     /// `relative_error` (1 + 3/(2√n)).
@@ -228,7 +227,7 @@ impl KramersKronig {
     }
 
     /// Tests measured values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with its
-    /// own `standard_error` (E|δE|²)^½ \[Pa\] of both parts together.
+    /// own `standard_error` ⟨|δE|²⟩^½ \[Pa\] of both parts together.
     ///
     /// The nearest causal material minimises the distance in units of these errors, and
     /// [`residual`](Self::residual), [`residual_lower_bound`](Self::residual_lower_bound) and
@@ -274,7 +273,7 @@ impl KramersKronig {
     }
 
     /// Tests as [`Self::of_modulus_with_common_errors`] does, but without the fit of a factor on
-    /// all losses, for intermediate weights.
+    /// all losses, for iterations that only need the nearest material.
     ///
     /// # Errors
     /// The errors of [`Self::of_modulus_with_common_errors`].

@@ -10,8 +10,7 @@
 //! The root for γ is the one with k > 0 for ω > 0. With E'' >= 0 this root has α >= 0, and e^{iωt -
 //! γx} travels and decays along +x. For ω < 0 all quantities are the complex conjugates.
 //!
-//! A narrow-band pulse travels with the group velocity, which follows from the modulus and its
-//! slope:
+//! A narrow-band pulse travels at the group velocity, which follows from the modulus and its slope:
 //!
 //! ```text
 //! dγ/dω = (γ/ω) (1 - (dE/d ln ω)/(2E)) ,    c_g = 1/Im(dγ/dω)

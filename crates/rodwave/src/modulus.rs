@@ -34,9 +34,9 @@
 //! of fractional order by a Prony series for time-domain solvers.
 //!
 //! # Limitations
-//! Temperature, large strain and ageing are not included. Moduli that grow with the rate faster
-//! than that of a dashpot, or that resonate, are not relaxations. Any type can implement the
-//! traits.
+//! Temperature, large strain and ageing are not included. Moduli that grow faster with the
+//! frequency than the modulus of a dashpot, or that resonate, are not relaxations. Any type can
+//! implement the traits.
 //!
 //! Theory: `docs/theory/moduli.md`.
 

@@ -1,5 +1,5 @@
-//! Input that is wrong by accident or on purpose: values, sizes and materials at the limits of the
-//! floating-point range, and laws of physics that any body must obey.
+//! Extreme input, with values, sizes and materials at the limits of the floating-point range, and
+//! laws of physics that any body must obey.
 
 mod extremes_media;
 mod hostile;

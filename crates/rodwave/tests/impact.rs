@@ -20,9 +20,9 @@ fn balances<L: InelasticLaw>(rod: InelasticRod<L>) -> f64 {
     let history = test(rod).run(0.5e-3, 2e-3).unwrap();
     let balance = history.balance;
     assert!(balance.momentum_residual.abs() < 1e-10, "{balance:?}");
-    // Tolerance: the leapfrog scheme takes the kinetic energy half a step early, which shifts the
-    // sum by a term of order dt. Closing the gap at t = 0 dissipates energy of the half cells at
-    // the interface, which have about the mass of one cell of the rod: 0.2 % of the energy.
+    // Tolerance: the leapfrog scheme evaluates the kinetic energy half a step early, which shifts
+    // the sum by a term of order dt. Closing the gap at t = 0 dissipates energy of the half cells
+    // at the interface, which have about the mass of one cell of the rod: 0.2 % of the energy.
     let lost = 1.0 - (balance.energy_after + balance.energy_dissipated) / balance.energy_before;
     assert!((-1e-3..8e-3).contains(&lost), "{lost}: {balance:?}");
     assert!(history.contact_force.iter().all(|f| *f >= 0.0));

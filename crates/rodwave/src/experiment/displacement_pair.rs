@@ -92,9 +92,10 @@ mod tests {
     use crate::impact::Striker;
     use crate::inelastic::Elastic;
 
-    /// A striker of the same material as the rod sends a pulse of velocity V/2 and duration 2 Lₛ/c.
-    /// The pulse moves a section by V Lₛ/c, the free end by twice that, and the section once more
-    /// when the pulse comes back (Ödeen 1993, paper D, Figure 2).
+    /// Checks the displacements caused by a striker of the same material as the rod, which sends a
+    /// pulse of velocity V/2 and duration 2 Lₛ/c. The pulse moves a section by V Lₛ/c, the free end
+    /// by twice that, and the section once more when the pulse comes back (Ödeen 1993, paper D,
+    /// Figure 2).
     #[test]
     fn displacements_are_those_of_de_saint_venant() {
         let striker = Striker {

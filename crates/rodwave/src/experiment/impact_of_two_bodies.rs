@@ -1,6 +1,6 @@
 //! The test of paper E: impact and separation of two bodies.
 //!
-//! The first body arrives with the velocity V; the second is at rest. While their faces stick, the
+//! The first body arrives at the velocity V; the second is at rest. While their faces stick, the
 //! force F_s between them obeys (Ödeen 1993, paper E, eq. 2)
 //!
 //! ```text

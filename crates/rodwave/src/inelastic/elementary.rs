@@ -10,8 +10,7 @@ use super::LANES;
 const SQRT_HALF_BITS: u64 = 0x3FE6_A09E_667F_3BCD;
 const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;
 const MANTISSA: u64 = 0x000F_FFFF_FFFF_FFFF;
-/// Bits of 2^52: combined with the bits of an integer below 2^52, they are those of the sum of
-/// both.
+/// Bits of 2^52. Combined with an integer below 2^52, they are the bits of the sum of both numbers.
 const TWO_TO_52_BITS: u64 = 0x4330_0000_0000_0000;
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 /// 1.5 · 2^52: adding it to a number rounds the number to the nearest integer.

@@ -16,7 +16,7 @@ use crate::slenderness::{
 
 const NAMES: [&str; 3] = ["Love", "Mindlin and Herrmann", "Pochhammer and Chree"];
 
-/// Returns Love's theory, that of Mindlin and Herrmann, and the exact theory.
+/// Returns the theories of Love, of Mindlin and Herrmann, and of Pochhammer and Chree.
 fn theories(nu: f64) -> [Box<dyn RodTheory>; 3] {
     [
         Box::new(love(nu)),

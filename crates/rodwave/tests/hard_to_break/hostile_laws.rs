@@ -188,8 +188,8 @@ impl<M: rodwave::modulus::ComplexModulus> SlopeAndValue for M {
     }
 }
 
-/// Returns the rate, the relaxation over one step and its derivatives. The relaxed stress must lie
-/// between the initial stress and 0.
+/// Returns the stress relaxed over one step, by three functions of the flow, and the parameters of
+/// the law. The relaxed stress must be between the initial stress and 0.
 fn inelastic<L: InelasticLaw>(law: &L, modulus: f64, duration: f64, stress: f64) -> Numbers {
     let flow = law.flow(modulus, duration);
     let relaxed = flow.relax(stress);
