@@ -1,5 +1,5 @@
-//! Standard errors with noise on both histories: coverage of the intervals, and errors of the
-//! stated size.
+//! Claims on standard errors with noise on both histories: coverage of the intervals, and size of
+//! the errors.
 
 use maxwellid::{Fit, IdentifiableLaw, Noise, RodModel, RodTest, Scale};
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
@@ -13,9 +13,9 @@ use testbed::hold;
 const NOISE: f64 = 0.1;
 const SEEDS: u64 = 100;
 
-/// Results for the parameter that is farthest off: the fraction of the intervals that contain the
-/// truth minus 0.95, the mean of the errors in standard errors, and the mean of their squares minus
-/// 1; also the mean ratio of residual to stated noise.
+/// Results, each for the worst parameter: `inside`, the fraction of the intervals that contain the
+/// truth, minus 0.95; `mean` of error over standard error; `squares`, the mean of the square of
+/// this ratio, minus 1. `to_noise` is the mean ratio of residual to stated noise.
 struct Covered {
     inside: f64,
     mean: f64,

@@ -1,5 +1,5 @@
-//! Parameters of the three laws from tests of the lumped chain, without noise; paths of the search;
-//! tests and results that must be refused or flagged.
+//! Claims on the parameters of the three laws from tests of the lumped chain without noise, on the
+//! search, and on tests and results that must be refused or flagged.
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Method, Noise, Provenance, RodTest,
@@ -233,7 +233,7 @@ fn undamped(claims: &mut Claims) {
     let count = Within(0.5, "a count");
     let polyamide = || identified(3.209e9, &Maxwell::new(40.85e9)?, Maxwell::new(1e6)?);
     claims.claim(
-        "polyamide 6: parameters of damping called identified",
+        "polyamide 6: damping parameters with the verdict identified",
         "1",
         0.0,
         count,
@@ -244,7 +244,7 @@ fn undamped(claims: &mut Claims) {
         identified(2.58e9, &MaxwellNorton::new(2.108, 38.16e18)?, start)
     };
     claims.claim(
-        "polypropylene: parameters of damping called identified",
+        "polypropylene: damping parameters with the verdict identified",
         "1",
         0.0,
         count,
@@ -259,7 +259,7 @@ fn undamped(claims: &mut Claims) {
         )
     };
     claims.claim(
-        "polyethylene: parameters of damping called identified",
+        "polyethylene: damping parameters with the verdict identified",
         "1",
         0.0,
         count,

@@ -1,5 +1,5 @@
-//! Models of the driven rod: derivatives against differences, and solvers against each other and
-//! d'Alembert.
+//! Claims on models of the driven rod: derivatives compared with differences, and solvers with each
+//! other and with d'Alembert's solution.
 
 use maxwellid::linear::{ConstantQ, LinearModel, MaxwellBranches};
 use maxwellid::{DrivenRod, IdentifiableLaw, RodModel};
@@ -30,7 +30,8 @@ fn claims_hold() {
     hold!(claims);
 }
 
-/// A pulse within 12 kHz, then a slow motion that has not ended when the record does.
+/// Samples of an excitation: a pulse with frequencies up to 12 kHz, then a slow motion of 1.5 m/s
+/// that lasts until the end of the record.
 fn samples() -> Vec<f64> {
     (0..SAMPLES)
         .map(|k| {
@@ -40,7 +41,7 @@ fn samples() -> Vec<f64> {
         .collect()
 }
 
-/// Calls `with` for the driven rod, on cells of this length.
+/// Calls `with` for the driven rod, with cells of length `cell` \[m\].
 fn driven<T>(cell: f64, with: impl FnOnce(&DrivenRod<'_>) -> Ours<T>) -> Ours<T> {
     let samples = samples();
     let excitation = SampledHistory::new(&samples, RATE)?;

@@ -1,5 +1,5 @@
-//! Selection of a law: named from two velocities, doubted from one; the classifier of paper D;
-//! p-values that may reject all laws.
+//! Claims on the selection of a law from tests at two velocities and at one, on the classifier of
+//! paper D, and on p-values that may reject all laws.
 
 use maxwellid::adequacy::{Basis, RobbinsMonro, Weights};
 use maxwellid::conformal::p_values;
@@ -38,7 +38,7 @@ fn claims_hold() {
     hold!(claims);
 }
 
-/// Polypropylene with a relaxation time of 0.5 ms at 10 MPa.
+/// A law of polypropylene with a relaxation time of 0.5 ms at 10 MPa.
 fn norton() -> Ours<MaxwellNorton> {
     Ok(MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6)?)
 }
@@ -121,7 +121,8 @@ fn nonlinear(claims: &mut Claims) {
     );
 }
 
-/// Response of `rodwave::line` to the excitation of a rod of nearly the same damping.
+/// A rod of a linear `material`: the response is computed by `rodwave::line`, the excitation is
+/// that of a Maxwell rod of nearly the same damping.
 fn linear_rod(material: &GeneralisedMaxwell) -> Ours<VirtualRod> {
     let mut rod = struck(LENGTH, 10.0, MODULUS, &Maxwell::new(4e6)?, 128);
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material)?;
@@ -215,8 +216,8 @@ fn profile(claims: &mut Claims) {
             Ok(found.get(1).ok_or_else(|| missing("a parameter"))?.verdict)
         };
         let time = verdict(Law::Maxwell)?;
-        // the window is 2.8 ms: a relaxation time of the same length would reduce a wave by a tenth
-        // on its way
+        // the window is 2.8 ms; a relaxation time as long would reduce a wave by a tenth on its way
+        // through the rod
         if let Verdict::BoundedBelow(least) = &time {
             assert!(*least > 1e-3_f64.ln() && *least < 1.0_f64.ln(), "{least}");
         }
@@ -241,7 +242,8 @@ fn profile(claims: &mut Claims) {
     );
 }
 
-/// A repetition changes the information A = P + I of prior P and test I to 2A - P.
+/// Claims on a planned repetition, which changes the information from A = P + I, with the prior P
+/// and the first test I, to P + 2I = 2A - P.
 fn planned(claims: &mut Claims) {
     claims.by("a repetition adds the information of the first test again");
     let ratios = || -> Ours<f64> {
@@ -313,7 +315,8 @@ fn classifier(claims: &mut Claims) {
     );
 }
 
-/// A pattern that is exchangeable with its 40 samples has a rank that is as likely as any other.
+/// Claims on conformal p-values: all ranks of a pattern that is exchangeable with its 40 samples
+/// are equally likely.
 fn conformal(claims: &mut Claims) {
     claims.by("ranks of exchangeable patterns: p <= e with a probability of at most e");
     let found = || -> Ours<[f64; 2]> {

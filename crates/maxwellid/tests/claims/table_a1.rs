@@ -1,6 +1,6 @@
-//! Paper D, Table A1: output of the direct problem as input of the identification. A round trip, as
-//! in the paper: the inverting solver has generated the data, which tests the search and nothing
-//! else.
+//! Claims on paper D, Table A1, where the output of the direct problem is the input of the
+//! identification. As in the paper, the inverting solver generates the data, so that only the
+//! search is tested.
 
 use maxwellid::{Fit, IdentifiableLaw, Noise, Provenance, RodTest, RodTestData};
 use rodwave::band_limited::{Recorder, SampledHistory};

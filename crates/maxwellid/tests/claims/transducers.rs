@@ -1,4 +1,4 @@
-//! Velocity from displacement, and gain, offset and delay of a transducer.
+//! Claims on velocities from displacements, and on gain, offset and delay of a transducer.
 
 use std::f64::consts::TAU;
 
@@ -65,7 +65,7 @@ fn differentiator(claims: &mut Claims) {
             let samples: Vec<f64> = (0..200)
                 .map(|n| (TAU * frequency * f64::from(n)).sin())
                 .collect();
-            // velocity at the samples; its error is compared with the gain times the slope
+            // the velocity at a sample is the true slope times the gain
             let velocity = filter.velocity(&samples, 1.0);
             let slopes = velocity.iter().enumerate().map(|(n, v)| {
                 let phase = TAU * frequency * (n + filter.half_width()) as f64;
@@ -100,7 +100,7 @@ fn differentiator(claims: &mut Claims) {
     );
 }
 
-/// A response with a gain of 1.03 and an offset of 0.05 m/s, two samples late.
+/// Claims on a response with a gain of 1.03, an offset of 0.05 m/s and a delay of two samples.
 fn nuisances(claims: &mut Claims) {
     claims.by("transducer with a known gain, offset and delay on a virtual rod without noise");
     let found = || -> Ours<[f64; 5]> {
