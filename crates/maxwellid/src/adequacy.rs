@@ -11,8 +11,8 @@
 //! increment correction   w ← w + α_k φ sgn(r - wᵀφ)
 //! ```
 //!
-//! The first tends to the least-squares approximation of the probability of the class, which
-//! [`Weights::least_squares`] computes directly as the reference; the second tends to the
+//! The first form tends to the least-squares approximation of the probability of the class, which
+//! [`Weights::least_squares`] computes directly for comparison; the second form tends to the
 //! conditional median of a variable that is 0 or 1, which is not a probability.
 //!
 //! # Unspecified choices
@@ -91,7 +91,7 @@ pub struct RobbinsMonro {
 }
 
 impl Default for RobbinsMonro {
-    /// Returns these settings: least mean square, a₀ = 1, three hundred passes, averaged weights.
+    /// Returns the settings: least mean square, a₀ = 1, three hundred passes, averaged weights.
     fn default() -> Self {
         Self {
             correction: Correction::LeastMeanSquare,
@@ -272,7 +272,7 @@ fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), Ma
     Ok((length, n_classes(class_of)?))
 }
 
-/// Number of classes, which are numbered without gaps: there are at most as many as samples.
+/// Number of classes: the largest class number plus 1, at most the number of samples.
 pub(crate) fn n_classes(class_of: &[usize]) -> Result<usize, MaxwellidError> {
     match class_of.iter().max() {
         Some(&top) if top >= class_of.len() => Err(MaxwellidError::Setting {
@@ -284,7 +284,7 @@ pub(crate) fn n_classes(class_of: &[usize]) -> Result<usize, MaxwellidError> {
     }
 }
 
-/// Accepts samples that are finite throughout.
+/// Accepts samples whose values are all finite.
 pub(crate) fn check_finite_samples(samples: &[Vec<f64>]) -> Result<(), MaxwellidError> {
     match samples.iter().flatten().find(|value| !value.is_finite()) {
         None => Ok(()),
@@ -351,8 +351,8 @@ mod tests {
             pairs.fold(0.0_f64, |top, (a, b)| top.max((a - b).abs()))
         };
         let distances = [distance(3), distance(30), distance(300)];
-        // shuffled passes: the noise of one pass decreases as 1/passes at best and as 1/√passes at
-        // worst
+        // with a new order of the samples in every pass, the distance decreases as 1/passes at best
+        // and as 1/√passes at worst; 0.32 is 1/√10, for ten times the passes
         assert!(distances[1] < 0.5 * distances[0], "{distances:?}");
         assert!(distances[2] < 0.32 * distances[1], "{distances:?}");
         assert!(distances[2] < 2e-3, "{distances:?}");

@@ -35,22 +35,22 @@ pub enum FitFlag {
         /// Measured minus simulated arrival \[s\].
         lag: f64,
     },
-    /// The residual exceeds the stated noise. Errors are increased by this ratio.
+    /// The residual exceeds the stated noise. The standard errors are multiplied by `ratio`.
     #[error("the residual is {ratio:.2} times as large as the stated noise")]
     ResidualAboveNoise {
         /// Standard deviation of the whitened residual; 1 if it contains only the stated noise.
         ratio: f64,
     },
-    /// The alternation of parameters and excitation has not converged: the minimum is not settled,
-    /// and no parameter counts as identified.
+    /// The alternating estimation of parameters and excitation has not converged. No parameter gets
+    /// the verdict [`crate::Verdict::Identified`].
     #[error(
-        "the fit has not settled: each new estimate of the excitation still changes the parameters"
+        "the fit has not converged: each new estimate of the excitation still changes the parameters"
     )]
     Unsettled,
     /// The rise of χ² near the minimum differs from the rise that the standard error implies. The
     /// standard error therefore does not describe the values that the data exclude, and the
-    /// parameter does not count as identified. Its profile ([`crate::profile`]) gives the excluded
-    /// values.
+    /// parameter does not get the verdict [`crate::Verdict::Identified`]. Its profile
+    /// ([`crate::profile`]) gives the excluded values.
     #[error(
         "the limits of {} from the data differ from those implied by its standard error",
         in_words(.parameter)
@@ -82,7 +82,7 @@ fn in_words(name: &str) -> String {
     }
 }
 
-/// Number of standard deviations from which a test disagrees with the others.
+/// Number of standard deviations above which a test is flagged as disagreeing with the others.
 const DISAGREES: f64 = 5.0;
 
 /// Flags of the tests that disagree with the joint minimum, from the score of each test for each

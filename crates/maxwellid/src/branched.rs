@@ -103,7 +103,7 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
         1 + self.neighbours.count()
     }
 
-    /// Modulus, neighbours and law at θ.
+    /// Modulus, shares and times of the branches, and law of the nonlinear branch at θ.
     fn material(&self, parameters: &[f64]) -> Option<(f64, Composition, L)> {
         let (of_branches, of_law) = parameters.split_at_checked(self.before_law())?;
         let (ln_modulus, of_neighbours) = of_branches.split_first()?;
@@ -112,7 +112,7 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
         Some((ln_modulus.exp(), composition, law))
     }
 
-    /// Returns a function of θ, the secant modulus of a rod of this material.
+    /// Returns the secant modulus of a rod of this material as a function of θ.
     fn secant(&self, rod: &DrivenRod<'_>) -> impl Fn(&[f64]) -> Option<SecantModulus> {
         move |parameters| {
             let (modulus, composition, law) = self.material(parameters)?;
@@ -126,7 +126,7 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
         }
     }
 
-    /// The direct problem at θ, with the directions of all parameters.
+    /// The direct problem at θ, with the [`Direction`] of its derivative for each parameter.
     fn problem(
         &self,
         rod: &DrivenRod<'_>,
@@ -198,8 +198,8 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
             .collect()
     }
 
-    /// Returns rates in steps of a decade, as for the law alone, each with several shares of its
-    /// branch.
+    /// Returns starting points: rates of the law in steps of a decade, each with three shares of
+    /// the nonlinear branch.
     fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
         let mut starts = Vec::new();
         for ratio in [0.1_f64, 0.5, 2.0] {
@@ -306,8 +306,9 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
         lateral_inertia::of_columns(rod, parameters, self.secant(rod), columns)
     }
 
-    /// A standard solid contains the linear one, Maxwell's law and the elastic rod; a rod of flat
-    /// loss contains the last two.
+    /// Returns the parameters of a special case: a standard solid contains the linear standard
+    /// solid, Maxwell's law and the elastic rod; a rod of flat loss contains Maxwell's law and the
+    /// elastic rod.
     fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
         let (share, time) = match series.branches.as_slice() {
             [] => (NO_SHARE, UNRELAXED),

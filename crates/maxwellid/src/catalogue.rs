@@ -37,7 +37,8 @@ use crate::specimen::SpecimenSensitivity;
 /// # Prior ranges
 /// The range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m down to 2.9
 /// MPa); that of Eyring's σ* is 1 to 20 MPa. The share of a nonlinear branch is a fiftieth to five
-/// times that of its neighbour, the relaxation time of a linear branch in parallel 5 us to 1 ms.
+/// times that of the spring or linear branch in parallel; the relaxation time of a linear branch is
+/// 5 us to 1 ms.
 ///
 /// ```
 /// use maxwellid::{Law, RodModel};
@@ -90,8 +91,8 @@ pub enum Law {
     FlatLossAndGurevichRabinovich,
 }
 
-/// Prior range of the logarithm of the share of a nonlinear branch divided by that of its
-/// neighbour: 0.02 to 5.
+/// Prior range of the logarithm of the share of a nonlinear branch divided by that of the spring or
+/// linear branch in parallel: 0.02 to 5.
 const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
 
 /// Prior range of the logarithm of the relaxation time of a linear branch: 5 us to 1 ms.
@@ -110,7 +111,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// Creates the entry of a model that has these ranges and no flat loss.
+    /// Creates the entry of a model with these prior ranges, without a flat loss factor.
     fn of(model: impl RodModel + 'static, ranges: &[Option<(f64, f64)>]) -> Self {
         Self {
             model: Arc::new(model),
@@ -119,7 +120,7 @@ impl Entry {
         }
     }
 
-    /// Creates the entry of a linear law, with its own ranges.
+    /// Creates the entry of a linear law, with the prior ranges that the law states.
     pub(crate) fn linear(law: impl LinearLaw + 'static) -> Self {
         Self {
             ranges: law.ranges().into_iter().map(Some).collect(),
@@ -138,8 +139,8 @@ macro_rules! kept {
 }
 
 impl Law {
-    /// The laws of a usual comparison: those of paper D and their linear competitors, simple ones
-    /// first and nonlinear ones last.
+    /// The laws of a standard comparison: those of paper D and their linear competitors, linear
+    /// laws first.
     pub const STANDARD: [Self; 8] = [
         Self::Elastic,
         Self::Maxwell,
@@ -151,7 +152,7 @@ impl Law {
         Self::GurevichRabinovich,
     ];
 
-    /// Nonlinear laws with an equilibrium.
+    /// Nonlinear laws whose stress relaxes to an equilibrium above zero.
     pub const WITH_EQUILIBRIUM: [Self; 2] = [Self::ZenerNorton, Self::ZenerGurevichRabinovich];
 
     /// The nonlinear law that remains without the spring or linear branch of this law.
@@ -170,13 +171,13 @@ impl Law {
         }
     }
 
-    /// Parameters between ln E and those of the dashpot at which only the nonlinear branch is left,
-    /// and this limit in words.
+    /// Values of the parameters between ln E and those of the dashpot in the limit in which only
+    /// the nonlinear branch is left, and the name of this limit.
     pub(crate) fn of_branch_alone(self) -> (Vec<f64>, &'static str) {
         let all = -NO_SHARE.ln();
         let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
         match self {
-            // a linear branch with a share of zero may have any relaxation time
+            // the relaxation time of a linear branch without a share has no effect
             Self::MaxwellAndNorton | Self::MaxwellAndGurevichRabinovich => {
                 (vec![all, middle(TIME_RANGE)], "without its linear branch")
             }
@@ -450,15 +451,15 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
 /// Prior range of ln(σ_ref/σ*) of Eyring's dashpot: σ* from 20 to 1 MPa.
 const LN_SHARPNESS: Option<(f64, f64)> = Some((-std::f64::consts::LN_2, std::f64::consts::LN_10));
 
-/// Sharpness at which Eyring's law is linear: the rate differs by β²/6 (σ²/σ_ref² - 1), 1e-5 at a
-/// stress of 8 σ_ref.
+/// Sharpness β = σ_ref/σ* at which Eyring's law is treated as linear: its rate differs from that of
+/// the linear law by the fraction β²/6 (σ²/σ_ref² - 1), 1e-5 at a stress of 8 σ_ref.
 const LINEAR_SHARPNESS: f64 = 1e-3;
 
 impl IdentifiableLaw for Eyring {
     const NAME: &'static str = "Maxwell-Eyring";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
 
-    /// Returns bounds of ln β for β from 1e-3, the linear law, to 50.
+    /// Returns bounds of ln β, for β from 1e-3 (the linear law) to 50, and of ln r.
     fn parameter_bounds(&self) -> Vec<(f64, f64)> {
         vec![(LINEAR_SHARPNESS.ln(), 50_f64.ln()), LOG_RATE_BOUNDS]
     }

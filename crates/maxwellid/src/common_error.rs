@@ -1,9 +1,9 @@
 //! Errors of rods and transducers that are the same for many samples, and often for several tests.
 //!
-//! A length, a lateral inertia, a sensitivity or a delay with a stated standard uncertainty u moves the whole
-//! simulated response by u ∂S/∂q. With one such column a for each independent error, in units of
-//! the noise, the white residual has the covariance I + A Aᵀ instead of I. Its inverse square root
-//! is a product of one factor per column,
+//! A length, a lateral inertia, a sensitivity or a delay q with a stated standard uncertainty u
+//! moves the whole simulated response by u ∂S/∂q. Let A have one column a = u ∂S/∂q, whitened with
+//! the noise, for each independent error: the white residual then has the covariance I + A Aᵀ
+//! instead of I. The inverse square root of this covariance is a product of one factor per column,
 //!
 //! ```text
 //! I - (1 - 1/√(1 + |a|²)) a aᵀ/|a|² ,
@@ -18,18 +18,20 @@
 //! determine only E/(ρL²) and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
 //!
 //! The response is linearised about the most likely delay and length, and about the stated values
-//! of the other quantities. With the stated length instead, the error of the linearisation is of
-//! second order in the error of the length. If it exceeds the noise, each renewal of the columns
-//! moves E to the other side of the minimum.
+//! of the other quantities. A linearisation about the stated length has an error of second order in
+//! the error of the length. If this error exceeds the noise, E moves to the other side of its
+//! minimum each time the columns are recomputed, and the fit does not converge.
 //!
-//! If the recorder is part of the model, the front of the excitation, unresolved between two grid
-//! points, is a common error too. On a grid of a quarter of the spacing the response of a nonlinear
-//! rod changes by Δ. For an instantaneous rise the error is of first order in the spacing, so that
-//! Δ + Δ/4 + .. = 4Δ/3 is missing. This correction is added, with the standard uncertainty Δ.
+//! If the recorder is part of the model, the rise of the excitation between two points of its grid
+//! is not resolved, which is a further common error. On a grid with a quarter of the spacing the
+//! response of a nonlinear rod changes by Δ. For an instantaneous rise the error is of first order
+//! in the spacing, so that the error on the original grid is Δ + Δ/4 + Δ/16 + .. = 4Δ/3. This
+//! correction is added, with the standard uncertainty Δ.
 //!
 //! # Validity
-//! The response is linear in gain errors of a few per cent. The density of all rods of one material
-//! has one error, which scales the results: [`crate::SpecimenUncertainty`].
+//! The response is linear in gain errors of a few per cent. The density is not a common error of
+//! this module: its error is the same for all rods of one material, and is added to the results by
+//! [`crate::SpecimenUncertainty`].
 //!
 //! Theory: `docs/theory/identification.md#errors-of-rods-and-transducers`.
 
@@ -50,7 +52,8 @@ use crate::whitening::Weighting;
 pub enum ErrorOf {
     /// Length L of a rod, relative.
     Length,
-    /// Lateral inertia ν²k_p² of a rod, relative: twice that of Poisson's ratio and of the diameter.
+    /// Lateral inertia ν²k_p² of a rod, relative: twice the relative error of Poisson's ratio or of
+    /// the diameter.
     LateralInertia,
     /// Gain of the transducer of the excitation, relative.
     ExcitationGain,
@@ -96,7 +99,7 @@ pub struct CommonError {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CommonErrorEstimate {
-    /// The stated error.
+    /// The error as stated with the tests.
     pub error: CommonError,
     /// Most likely value: true over stated value minus 1, or the delay \[s\].
     pub value: f64,
@@ -105,7 +108,7 @@ pub struct CommonErrorEstimate {
 }
 
 /// Formats the error in one sentence, such as `length of rod A: 1.00070 ± 0.00040 times the
-/// stated value (± 0.00130 before)`.
+/// stated value (± 0.00130 stated)`.
 impl fmt::Display for CommonErrorEstimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let CommonError {
@@ -117,12 +120,12 @@ impl fmt::Display for CommonErrorEstimate {
         write!(f, "{of} of {shared_by}: ")?;
         if *of == ErrorOf::Delay {
             let [value, error, before] = [value, error, *standard_uncertainty].map(|t| 1e6 * t);
-            return write!(f, "{value:.2} us ± {error:.2} us (± {before:.2} us before)");
+            return write!(f, "{value:.2} us ± {error:.2} us (± {before:.2} us stated)");
         }
         let value = 1.0 + value;
         write!(
             f,
-            "{value:.5} ± {error:.5} times the stated value (± {standard_uncertainty:.5} before)"
+            "{value:.5} ± {error:.5} times the stated value (± {standard_uncertainty:.5} stated)"
         )
     }
 }
@@ -161,8 +164,9 @@ pub const UNSTATED_GAIN: f64 = 0.05;
 pub const UNSTATED_DELAY: f64 = 1.0;
 
 /// Adds to `tests` an error of the response's gain ([`UNSTATED_GAIN`]) and of its delay
-/// ([`UNSTATED_DELAY`]), each the same in all tests: for a further comparison if no law fits the
-/// data without such errors. `None` if a test states an error of its transducers.
+/// ([`UNSTATED_DELAY`]), each the same in all tests. A second comparison with these errors shows
+/// whether they explain why no law fits the data. `None` if a test states an error of its
+/// transducers.
 #[must_use]
 pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     let allowed = |test: &RodTest| {
@@ -185,22 +189,22 @@ pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     tests.iter().map(allowed).collect()
 }
 
-/// The value of one error, and the factor that turns a derivative of the response into the
-/// derivative with respect to this error.
+/// The value of one error in `deviation`, and the factor that turns the result of [`derivative`]
+/// into the derivative with respect to this error.
 fn of_error(deviation: Deviation, of: ErrorOf) -> (f64, f64) {
     match of {
         ErrorOf::Delay => (deviation.delay, 1.0),
-        // the derivative is that with respect to ln L
+        // `derivative` differentiates with respect to ln L
         ErrorOf::Length => (deviation.length, 1.0 / (1.0 + deviation.length)),
         _ => (0.0, 1.0),
     }
 }
 
-/// Largest relative error of a length about which a response is linearised.
+/// Largest relative deviation of the length about which a response is linearised.
 const LARGEST_ERROR_OF_LENGTH: f64 = 0.1;
 
-/// Change of a delay, in samples, at which its iteration ends: for a front of one sample the error
-/// of the linearisation is then 0.1 %.
+/// Change of a delay, in samples, below which the iteration over the delay ends: for a front that
+/// rises in one sample the error of the linearisation is then 0.1 %.
 const DELAY_SETTLED: f64 = 0.05;
 
 /// Returns true if a delay \[s\] of one of `tests` differs from its value in `before` by more than
@@ -210,8 +214,8 @@ pub(crate) fn are_moved(tests: &[RodTest], before: &[Deviation], after: &[Deviat
     each.any(|(test, (b, a))| (a.delay - b.delay).abs() * test.sampling_rate_hz >= DELAY_SETTLED)
 }
 
-/// Missing part of the response to a front on its grid, divided by the change on a grid of a
-/// quarter of the spacing, for an error of first order.
+/// Error of the response to a front on its grid, divided by the change of the response on a grid of
+/// a quarter of the spacing, if the error is of first order in the spacing.
 const MISSING_OF_FRONT: f64 = 4.0 / 3.0;
 
 /// One column of the covariance, prepared for its factor.
@@ -223,7 +227,7 @@ struct Direction {
     removed: f64,
 }
 
-/// The common errors of several tests as factors for their white residual.
+/// The common errors of several tests, as factors to apply to the white residual.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CommonErrors {
     /// The error of each column; `None` for the front of one test.
@@ -243,9 +247,10 @@ pub(crate) struct CommonErrors {
 }
 
 impl CommonErrors {
-    /// The factors for `tests` at θ, with the rods driven by their most likely excitations, at
-    /// `deviations`. `weight` is a further factor of the white residual. `known` are
-    /// the factors at the same θ with other excitations. `None` if the model does not exist there.
+    /// Computes the factors for `tests` at θ, with the rods driven by their most likely
+    /// excitations, for responses linearised about `deviations`. The columns are multiplied by
+    /// `weight`. From `known`, the factors at the same θ with other excitations, the changes on the
+    /// finer grids of the fronts are reused. Returns `None` if the model does not exist at θ.
     pub(crate) fn at<'a, M: RodModel + ?Sized>(
         (model, parameters): (&M, &[f64]),
         tests: &[RodTest],
@@ -298,7 +303,7 @@ impl CommonErrors {
             let mut offset = Vec::new();
             for (place, (error, mut own)) in test.common_errors.iter().zip(effects).enumerate() {
                 let (value, _) = of_error(deviation, error.of);
-                // the value is the sum of all errors of this kind
+                // `value` is the sum of all errors of this kind, so that it is subtracted once
                 let is_first = !test
                     .common_errors
                     .iter()
@@ -348,7 +353,7 @@ impl CommonErrors {
         Some(())
     }
 
-    /// Finds the factors of the columns.
+    /// Computes the factor of each column.
     fn factorise(&mut self) {
         for column in &self.columns {
             let mut unit = column.clone();
@@ -436,7 +441,7 @@ impl CommonErrors {
         explained
     }
 
-    /// The most likely delay and length of each test, 0 for known ones.
+    /// The most likely delay and length of each test; 0 where no error is stated.
     pub(crate) fn most_likely_deviations(
         &self,
         tests: &[RodTest],
@@ -456,7 +461,7 @@ impl CommonErrors {
                     let sum: f64 = own.filter_map(value_of).sum();
                     sum.clamp(-largest, largest)
                 };
-                // the excitation is known this far beyond the window
+                // the excitation is known for this time beyond the window
                 let longest = Nuisances::LARGEST_DELAY / test.sampling_rate_hz;
                 Deviation {
                     delay: sum(ErrorOf::Delay, longest),
@@ -487,8 +492,7 @@ impl CommonErrors {
     pub(crate) fn estimates(&self, mut white: Linearisation) -> Vec<CommonErrorEstimate> {
         let others = white.jacobian.len();
         let count = self.columns.len();
-        // the residual belongs to the stated values; the most likely errors remove it and have the
-        // opposite sign
+        // rows of the priors with a residual of 0: each error is 0, with a standard deviation of 1
         white.jacobian.extend(self.columns.iter().cloned());
         white.residual.extend(vec![0.0; count]);
         for (index, column) in white.jacobian.iter_mut().enumerate() {

@@ -9,13 +9,13 @@
 //! separation     E ln(Z_A/Z_B) ≈ ½ min over θ_B of χ²(data of A at θ̂_A)
 //! ```
 //!
-//! The separation is the remaining difference of two laws after the second has been fitted to the
-//! response of the first, in tests made and planned together: two laws may differ greatly at fixed
-//! parameters and yet fit each other.
+//! The separation is the difference that remains after the second law has been fitted to the
+//! response of the first in all tests, those made and the planned one: two laws may differ greatly
+//! at fixed parameters and yet fit each other's responses.
 //!
 //! # Validity
-//! The results are expectations at the present estimates, from the linearised problem, without the
-//! difference of Occam's factors (of order one).
+//! The results are expectations at the present estimates, from the linearised problem. The
+//! difference of Occam's factors, of order one, is neglected.
 //!
 //! Theory: `docs/theory/model-identification.md#planning-of-further-tests`.
 
@@ -56,9 +56,9 @@ impl PlannedTest {
         .and_then(|planned| planned.with_instruments_of(test))
     }
 
-    /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation
-    /// is `section_distance` \[m\] from the free end. The excitation is computed for the rod with
-    /// its law in one-dimensional theory, as it would be recorded.
+    /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose excitation is measured
+    /// at a section `section_distance` \[m\] from the free end. The excitation is computed for the
+    /// rod with its law in one-dimensional theory, as it would be recorded.
     ///
     /// # Errors
     /// [`MaxwellidError::InTest`] for errors of [`ImpactTest::record`] or [`RodTest::new`].
@@ -116,9 +116,9 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// Adopts the section, the temperature and the instruments of an existing `test`: the noise, the errors of
-    /// the transducers, the recorder, and the error of the length, which is the same error only for
-    /// a rod of the same length.
+    /// Adopts the lateral inertia, the temperature and the instruments of an existing `test`: the
+    /// noise, the errors of the transducers and the recorder. The errors of the rod are adopted
+    /// too; the error of the length is shared with `test` only if both rods have the same length.
     ///
     /// # Errors
     /// The errors of [`RodTest::with_recorder`].
@@ -268,8 +268,8 @@ impl Design<'_> {
     }
 
     /// Returns the misfit matrix: entry (i, j) is the separation of law i, assumed to be true, from
-    /// law j, for the existing tests. Consult it for every choice of a law: laws with an
-    /// off-diagonal entry near 0 cannot be distinguished.
+    /// law j, for the existing tests. Check it before you choose a law: laws with an off-diagonal
+    /// entry near 0 cannot be distinguished.
     ///
     /// # Errors
     /// The errors of [`Self::separation`].

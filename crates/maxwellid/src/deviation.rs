@@ -12,8 +12,9 @@ pub(crate) struct Deviation {
 }
 
 impl Deviation {
-    /// The rod with its most likely length, on as many cells as with the stated one: another number
-    /// of cells would change the response of a nonlinear law by the error of the grid.
+    /// The rod with its most likely length, on as many cells as the rod of the stated length:
+    /// another number of cells would change the response of a nonlinear law by the error of the
+    /// grid.
     pub(crate) fn of_rod<'a>(&self, rod: DrivenRod<'a>) -> DrivenRod<'a> {
         let factor = 1.0 + self.length;
         DrivenRod {

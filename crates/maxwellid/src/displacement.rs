@@ -19,8 +19,8 @@ pub struct DisplacementTransducers {
     pub differentiator: Differentiator,
 }
 
-/// Number of exactly equal samples, far from rest, that indicate a clipped transducer, because a
-/// free section moves.
+/// Number of consecutive, exactly equal samples away from rest that indicate a clipped transducer:
+/// a free section keeps moving.
 const STUCK: usize = 4;
 
 impl RodTest {
@@ -54,7 +54,7 @@ impl RodTest {
             });
         }
         let half_width = transducers.differentiator.half_width();
-        // the check of the velocities below reports a sample that is not finite, with its own index
+        // the check of the velocities in `RodTest::new` would report the index of a velocity
         for (history, samples) in [("excitation", excitation), ("response", response)] {
             if let Some((index, &value)) = samples.iter().enumerate().find(|(_, u)| !u.is_finite())
             {
@@ -76,7 +76,8 @@ impl RodTest {
         {
             if let Some(index) = first_clipped(samples, transducers.range) {
                 let time = seconds(index, *sampling_rate_hz);
-                // a history that never moves from its initial value is invalid
+                // too few samples before the clipping, as for a history that never moves from its
+                // initial value
                 if index < 2 * half_width + 32 {
                     return Err(MaxwellidError::ClippedTooEarly {
                         test: name.clone(),
@@ -110,7 +111,7 @@ impl RodTest {
                 .differentiator
                 .velocity(samples.get(..end).unwrap_or(samples), *sampling_rate_hz)
         };
-        // RodTest::new compares the lengths, which must be those of the given records
+        // checked here, because `RodTest::new` would report the lengths of the velocities
         if excitation.len() != response.len() {
             return Err(MaxwellidError::UnequalLengths {
                 test: name.clone(),
@@ -120,7 +121,7 @@ impl RodTest {
         }
         let v_e = velocity(excitation, ends[0]);
         let mut v_r = velocity(response, ends[0]);
-        // the response beyond its clipping is outside the window, whatever its values
+        // the response after its clipping is outside the window: any finite values will do
         let known = velocity(response, ends[1].min(ends[0])).len();
         if known < v_r.len() {
             let last = v_r.get(known.saturating_sub(1)).copied().unwrap_or(0.0);
@@ -144,8 +145,8 @@ fn seconds(index: usize, rate_hz: f64) -> f64 {
     index as f64 / rate_hz
 }
 
-/// Index of the first sample out of range, or of the first of several equal samples that are
-/// further from rest than half the largest one.
+/// Index of the first sample out of range, or of the first of [`STUCK`] equal samples above half
+/// the largest displacement.
 fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     let largest = samples.iter().fold(0.0_f64, |top, u| top.max(u.abs()));
     let out = samples.iter().position(|u| u.abs() >= range);
@@ -173,8 +174,8 @@ fn quiet_noise(
         test: test.to_owned(),
         history,
     })?;
-    // index k of the velocity is sample k + m of the displacement; the filter responds to the rise
-    // m samples before
+    // velocity k belongs to displacement k + m, with the half width m: as an index of the
+    // displacement, `arrival` is m samples before the rise
     quiet_standard_deviation(samples, arrival).map_err(|found| MaxwellidError::NoQuietPart {
         test: test.to_owned(),
         history,

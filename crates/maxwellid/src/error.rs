@@ -28,7 +28,7 @@ pub enum MaxwellidError {
         /// `excitation` or `response`.
         history: &'static str,
         value: f64,
-        /// The largest value that counts as rest.
+        /// The largest velocity accepted as rest.
         allowed: f64,
     },
     /// The record is too long for the covariance of its excitation before the filter.
@@ -99,7 +99,7 @@ pub enum MaxwellidError {
         /// Time of the first clipped sample.
         time: f64,
     },
-    /// The range of a transducer is not a length.
+    /// The range of a transducer is not above 0.
     #[error("test `{test}`: the range of the transducer is {value} m, expected a value above 0")]
     TransducerRange { test: String, value: f64 },
     /// A standard deviation is invalid.
@@ -157,7 +157,7 @@ pub enum MaxwellidError {
         "the calibration of the {nuisance} needs tests with stated noise, because the noise sets the weight of the calibration"
     )]
     CalibrationWithoutNoise { nuisance: &'static str },
-    /// The errors of rod and transducers of a test cannot be taken into account.
+    /// The stated errors of rod and transducers of a test cannot be combined with its other data.
     #[error("test `{test}`: the stated errors of its rod and transducers {because}")]
     CommonErrors {
         test: String,
@@ -210,7 +210,7 @@ pub enum MaxwellidError {
     /// There is no candidate, or none exists at any start.
     #[error("no candidate law was given, or none exists near the modulus from the time of flight")]
     NoCandidate,
-    /// The comparison of laws needs the noise, which a test does not state.
+    /// A test does not state the noise that the comparison of laws needs.
     #[error(
         "test `{test}` does not state the noise of its histories, without which laws cannot be distinguished"
     )]

@@ -104,8 +104,9 @@ pub struct Fit<M> {
     starts: usize,
     also_from: Vec<Vec<f64>>,
     only_from: Option<Vec<f64>>,
-    /// Excitations of the tests [m/s] from which a fit with noise starts, and its first cell \[m\].
+    /// Excitations of the tests [m/s] from which a fit with stated noise starts.
     excitations: Vec<Vec<f64>>,
+    /// Longest cell of the first grid of a fit with stated noise \[m\].
     first_cell: f64,
     nuisances: Nuisances,
     method: Method,
@@ -121,7 +122,7 @@ pub(crate) struct Lowest<'a, M> {
 }
 
 impl<M> Lowest<'_, M> {
-    /// Returns true if parameters and excitation no longer change each other.
+    /// Returns true if the alternating estimation of parameters and excitation has converged.
     pub(crate) fn has_settled(&self) -> bool {
         !self.course.flags.contains(&FitFlag::Unsettled)
     }
@@ -158,8 +159,8 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Sets the number of starts, spread over 30 % of E and, around each candidate of the model,
-    /// over two step limits of the other parameters; the lowest minimum is kept.
+    /// Sets the number of starts. They are spread around the candidates of the model, by ±0.3 in ln
+    /// E and by ±2 step limits in the other parameters; the lowest minimum is kept.
     /// [`Identification::starts`] lists their results. [`Self::to`] rejects 0.
     #[must_use]
     pub fn with_starts(mut self, count: usize) -> Self {
@@ -419,8 +420,8 @@ impl<M: RodModel> Fit<M> {
         if !(modulus.is_finite() && modulus > 0.0) {
             return Err(start_error(modulus));
         }
-        // a modulus out of these bounds comes from a wrong unit of density or length; without this
-        // check, a wave that crosses the rod a million times would be computed
+        // a modulus outside these bounds comes from a wrong unit of density or length, and could
+        // make the solver compute a million transits of the wave
         let (low, high) = MODULUS_BOUNDS;
         if !(low..=high).contains(&modulus) {
             return Err(MaxwellidError::Start {
@@ -460,7 +461,8 @@ pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
 }
 
-/// Extends `start` of a model by nuisances at their reference values.
+/// Extends the parameters `start` of a model to `count` parameters, with the nuisances at their
+/// reference values.
 fn padded(start: &[f64], count: usize) -> Vec<f64> {
     let nuisances = std::iter::repeat(&0.0);
     start.iter().chain(nuisances).take(count).copied().collect()

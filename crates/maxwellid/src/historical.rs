@@ -34,7 +34,7 @@ const SUFFICIENT_DESCENT: f64 = 1e-4;
 /// Number of halvings of a step before the line search is given up.
 const HALVINGS: u32 = 40;
 
-/// Minimises from `start`; `None` if the model does not exist there.
+/// Minimises from `start`; `None` if the model does not exist at `start`.
 pub(crate) fn minimise(
     problem: &dyn LeastSquares,
     start: &[f64],
@@ -158,7 +158,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// Makes the step if it leads to a sum of squares below `ceiling`.
+    /// Makes the step if the sum of squares after it is below `ceiling`.
     fn moved(&mut self, step: &[f64], ceiling: f64) -> bool {
         let beyond: Vec<f64> = self
             .position
@@ -269,7 +269,8 @@ mod tests {
         }
     }
 
-    /// Proves that (Ödeen 1993, paper D, eq. 14) finds the minimum of a quadratic function.
+    /// Checks that the method of (Ödeen 1993, paper D, eq. 14) finds the minimum of a quadratic
+    /// function.
     #[test]
     fn the_bottom_of_a_bowl_is_found() {
         let minimum = minimise(&Bowl, &[-4.0, 6.0], 1e-24).unwrap().unwrap();
@@ -278,7 +279,7 @@ mod tests {
             "{:?}",
             minimum.termination
         );
-        // the tolerance is 1e-7 of the step limit, which is 1
+        // tolerance: ten times the one of the search, 1e-7 of the step limit 1
         assert!((minimum.parameters[0] - 1.0).abs() < 1e-6, "{minimum:?}");
         assert!((minimum.parameters[1] - 2.0).abs() < 1e-6, "{minimum:?}");
         assert!(minimum.evaluations.linearisations > 4);

@@ -8,8 +8,8 @@ use crate::model::RodModel;
 use crate::specimen::{SpecimenSensitivity, SpecimenUncertainty};
 use crate::vectors::dot;
 
-/// Largest standard error of an identified parameter, as a ratio or as a difference of an exponent:
-/// the parameter then equals three standard errors.
+/// Limit of the standard error of an identified parameter: of ln(value), so that the value is three
+/// standard errors, or of the exponent itself.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
 /// The noise used for the errors.
@@ -25,7 +25,7 @@ pub enum Noise {
     /// residual is larger than chance permits.
     Stated,
     /// Noise estimated from the residual of the fit, with the number of independent samples reduced
-    /// by its autocorrelation.
+    /// by the autocorrelation of the residual.
     FromResidual,
 }
 
@@ -39,9 +39,9 @@ pub enum Verdict {
     /// fit the data equally well. The stated value is the one at which the iteration stopped, not a
     /// property of the material.
     NotIdentifiable,
-    /// Bounded: only values above this one are excluded, at 95 % ([`crate::profile`]).
+    /// Bounded above: the data exclude only values above the bound, at 95 % ([`crate::profile`]).
     BoundedAbove(f64),
-    /// Bounded: only values below this one are excluded, at 95 % ([`crate::profile`]).
+    /// Bounded below: the data exclude only values below the bound, at 95 % ([`crate::profile`]).
     BoundedBelow(f64),
 }
 
@@ -85,7 +85,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// Adds the error due to an uncertain specimen to the standard error. The verdict does not
-    /// change: it states what the data determine, whatever the uncertainty of the specimen.
+    /// change, because it states what the histories determine.
     #[must_use]
     pub fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -213,8 +213,8 @@ pub(crate) fn assess(
         .iter()
         .map(|stated| estimate(stated, &covariance, &specimen))
         .collect();
-    // if the damping of this shape is not determined, neither is the shape, whatever the linearised
-    // error where the iteration stopped
+    // if the data do not determine the damping, they do not determine the shape of the law, even if
+    // the linearised error of the shape is small
     let damping_seen = model.damping_parameter().is_none_or(|index| {
         let jacobian = &linearisation.jacobian;
         let own = besides(&jacobian[index], &jacobian[0]);
@@ -279,7 +279,8 @@ fn estimate(
         sensitivity: SpecimenSensitivity::through(gradient, specimen),
         scale: parameter.scale,
         role: parameter.role,
-        // a comparison with NaN is false: a parameter that cannot be assessed is not identified
+        // NaN, from a parameter that cannot be assessed, compares as false and gives
+        // `NotIdentifiable`
         verdict: if standard_error < IDENTIFIED_BELOW {
             Verdict::Identified
         } else {

@@ -46,18 +46,19 @@ pub struct Identification<M> {
     /// Flags, one per parameter of the model, for a rise of χ² near the minimum that differs from
     /// the rise that the standard error implies.
     curved: Vec<bool>,
-    /// Factor on the standard error of ln E if χ² rises more slowly about the minimum than the
-    /// error implies; at least 1.
+    /// Factor on the standard error of ln E, above 1 if χ² rises more slowly about the minimum than
+    /// the error implies.
     widening: f64,
-    /// Flags like `curved`, with weights and excitation renewed at the ends of the intervals.
+    /// Flags like `curved`, but with weights and excitation re-estimated at the ends of the
+    /// intervals.
     bent: Vec<bool>,
-    /// Changes of each parameter of the model to the ends of its profile, if closed; empty without
-    /// profiles.
+    /// For each parameter of the model, the differences between the ends of its profile interval
+    /// and its value: two if the interval is closed. Empty without profiles.
     ends: Vec<Vec<f64>>,
 }
 
 /// Range of the ratio of the half width of an interval to the half width that the standard error
-/// implies. Within it the standard error represents the interval.
+/// implies, within which the standard error represents the interval.
 pub(crate) const STRAIGHT: std::ops::RangeInclusive<f64> = 0.7..=1.4;
 
 /// Greatest factor by which the standard error of ln E is widened to represent χ².
@@ -67,7 +68,7 @@ impl<L: IdentifiableLaw> Identification<L> {
     /// The law at the minimum.
     #[must_use]
     pub fn law(&self) -> L {
-        // the residual exists at these parameters, and therefore the law exists too
+        // the law exists at these parameters, because the residual does
         self.parameters
             .get(1..)
             .and_then(|of_law| self.model.with_parameters(of_law).ok())
@@ -158,7 +159,7 @@ impl<M: RodModel> Identification<M> {
                 }
             }
             let error = variance.sqrt();
-            // undetermined parameters are not identified in any case
+            // a parameter with this error is not identified, whether χ² is curved or not
             if !(error.is_finite() && error < 2.0 * IDENTIFIED_BELOW) {
                 return None;
             }
@@ -197,7 +198,7 @@ impl<M: RodModel> Identification<M> {
     }
 
     /// Sets the flags of the parameters whose error does not represent χ² with weights and
-    /// excitation renewed.
+    /// excitation re-estimated.
     pub(crate) fn with_bent(mut self, bent: Vec<bool>) -> Self {
         self.bent = bent;
         self.curved = self.curved_or_bent();
@@ -216,12 +217,13 @@ impl<M: RodModel> Identification<M> {
         residual_variance(chi_square, degrees, self.quiet_degrees).sqrt()
     }
 
-    /// Determines the curvature from the profiles instead, which extend further: a parameter is
-    /// linear if its interval is closed and both halves agree with the standard error. The standard
-    /// error of a parameter with a closed interval is at least that of the longer half, in the
-    /// quantity as stated: an interval symmetric about a viscosity, whose reciprocal determines the
-    /// response, would end too low. A parameter that depends on several coordinates has no profile,
-    /// and an error only if all of them are linear.
+    /// Determines `curved` from the profiles, which extend further than the curvature at the
+    /// minimum: a parameter is not curved if its interval is closed and both halves agree with the
+    /// standard error. The standard error of a parameter with a closed interval is at least that of
+    /// the longer half, in the quantity as stated: an interval symmetric about a viscosity, whose
+    /// reciprocal determines the response, would end too low. A stated parameter that depends on
+    /// several coordinates has no profile; its error is valid only if none of these coordinates is
+    /// curved.
     pub(crate) fn judged_by(mut self, profiles: &[Profile]) -> Self {
         let Some(found) = self.identifiability(Noise::Stated) else {
             return self;
@@ -268,7 +270,7 @@ impl<M: RodModel> Identification<M> {
         self.course.flags.extend(flags);
     }
 
-    /// Marks the minimum as unsettled, because a profile has found a lower one.
+    /// Marks the minimum as unsettled, because a profile has found a lower minimum.
     pub(crate) fn unsettled(mut self) -> Self {
         self.course.flags.push(FitFlag::Unsettled);
         self
@@ -454,8 +456,8 @@ impl<M: RodModel> Identification<M> {
             noise,
         )?;
         if self.is_at_a_bound() {
-            // the sum of squares falls beyond the bound: errors about a point that is not a minimum
-            // are meaningless, and the damping belongs to the shape at the bound
+            // at a bound the parameters are not a minimum of the sum of squares, so that their
+            // standard errors are meaningless; the damping was found for the shape at the bound
             for estimate in found.estimates.iter_mut().skip(1) {
                 estimate.verdict = Verdict::NotIdentifiable;
             }
@@ -476,8 +478,8 @@ impl<M: RodModel> Identification<M> {
     }
 
     /// Returns true if the standard error of a stated parameter does not represent the values that
-    /// the data exclude. The error of a parameter that depends on one coordinate with a closed
-    /// profile is that of the longer half of this profile, and represents it.
+    /// the data exclude. If a parameter depends on one coordinate with a closed profile, its error
+    /// is that of the longer half of the profile, and represents the excluded values.
     fn exceeds_its_error(&self, stated: &StatedParameter) -> bool {
         let weights = stated.gradient.iter().enumerate();
         let own: Vec<usize> = weights
@@ -496,8 +498,8 @@ impl<M: RodModel> Identification<M> {
         is_set(&self.curved, index) && (is_set(&self.bent, index) || !is_closed)
     }
 
-    /// Longer half of the 95 % interval of the profile of a stated parameter that depends on one
-    /// coordinate; 0 for another parameter, or without a profile.
+    /// Longer half of the 95 % profile interval of a stated parameter that depends on one
+    /// coordinate; 0 for a parameter that depends on several coordinates, or without a profile.
     fn longer_half(&self, stated: &StatedParameter) -> f64 {
         let weights = stated.gradient.iter().zip(&self.ends);
         let mut own = weights.filter(|(weight, _)| **weight != 0.0);
@@ -520,7 +522,7 @@ fn is_set(flags: &[bool], index: usize) -> bool {
 pub(crate) const QUANTILE_95: f64 = 1.959_963_984_540_054;
 
 /// Orthogonalises the columns of θ to those of the nuisance parameters. At a minimum the residual
-/// is orthogonal to the latter.
+/// is orthogonal to the columns of the nuisance parameters.
 fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearisation {
     let mut linearisation = linearisation.clone();
     let of_nuisances = linearisation.jacobian.split_off(of_model);

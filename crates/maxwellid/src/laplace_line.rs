@@ -1,5 +1,5 @@
 //! Transforms of histories on a line Re s = a, their inverses, and the propagation coefficient of a
-//! rod there.
+//! rod on this line.
 
 use std::f64::consts::TAU;
 
@@ -9,8 +9,8 @@ use rodwave::fourier::RealFourier;
 /// Damping aT_p over the period: the alias of the next period is damped by e^{-16} = 1.1e-7.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
-/// Number of points over which a history is faded to zero after its end. Only the ringing
-/// of the kink affects times before the end, with 1/n² of the change of slope n points away.
+/// Number of points over which a history is faded to zero after its end. The kink at the end causes
+/// ringing, the only error before the end: n points away it is 1/n² of the change of slope.
 const TAPER: usize = 64;
 
 /// The discrete Laplace transform of one length.
@@ -65,7 +65,7 @@ impl LaplaceLine {
         1.0 / self.interval
     }
 
-    /// The first `points` points of the history of this unscaled transform.
+    /// The first `points` points of the history whose unscaled transform is `lines`.
     pub(crate) fn history(&mut self, lines: &[Complex64], points: usize) -> Vec<f64> {
         for (own, line) in self.fourier.lines().iter_mut().zip(lines) {
             *own = *line;

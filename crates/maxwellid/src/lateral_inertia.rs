@@ -11,19 +11,21 @@
 //! and a rod with a free end has the velocity v̂_r = v̂_e / cosh(γL) there, as without lateral
 //! inertia. A [linear](crate::linear) rod is solved with this γ.
 //!
-//! # Laws of the time domain
-//! A nonlinear rod is marched with lateral inertia
-//! ([`BranchedProblem::free_end_velocity_with_lateral_inertia`]); its derivatives are differences of
-//! such marches. A linear rod is marched without it, and its response is multiplied by
+//! # Nonlinear laws A nonlinear rod is marched with lateral inertia
+//! ([`BranchedProblem::free_end_velocity_with_lateral_inertia`]); the derivatives of its response
+//! are differences of such responses. A linear rod with a law of the time domain is marched without
+//! lateral inertia, and its response is multiplied by
 //!
 //! ```text
 //! cosh(γ₀L)/cosh(γL) ,    γ₀² = ρs²/E(s)
 //! ```
 //!
-//! on a line Re s = a of the Laplace plane. So are the derivatives of a nonlinear rod with respect
-//! to samples of its excitation, with the secant modulus in the place of E: that of linear branches
-//! with the rates F(σ)/σ of the law at 0.7 of the stress ρc max|v_e| behind a front of the largest
-//! velocity. They enter only the covariance of the noise and small changes of the excitation.
+//! on a line Re s = a of the Laplace plane. The derivatives of the response of a nonlinear rod with
+//! respect to samples of its excitation are multiplied by the same factor, with the secant modulus
+//! in place of E: the modulus of linear branches that relax at the rate F(σ)/σ of the law, at a
+//! stress σ of 0.7 ρc max|v_e|, the stress ρc max|v_e| being that behind a front of the largest
+//! velocity. These derivatives are used only for the covariance of the noise and for small changes
+//! of the excitation.
 //!
 //! [`BranchedProblem::free_end_velocity_with_lateral_inertia`]:
 //!     rodwave::characteristics::BranchedProblem::free_end_velocity_with_lateral_inertia
@@ -41,25 +43,27 @@ use crate::laplace_line::{LaplaceLine, propagation};
 use crate::model::{DrivenRod, LinearisedResponse};
 use crate::parallel::map_in_order;
 
-/// Change of a parameter, to either side, for numerical derivatives.
+/// Change of a parameter to either side, for numerical derivatives.
 const DIFFERENCE: f64 = 1e-4;
 
 /// Stress at which a law is replaced by its secant, relative to the stress behind a front of the
 /// largest velocity: the stress falls along the rod.
 const OF_FRONT: f64 = 0.7;
 
-/// Modulus of the linear material that relaxes as fast as a rod behind the front of a wave.
+/// Modulus of the linear material that relaxes as fast as a nonlinear rod behind the front of a
+/// wave.
 pub(crate) struct SecantModulus {
     /// E \[Pa\].
     modulus: f64,
-    /// Stress behind the front \[Pa\].
+    /// Stress \[Pa\] at which the law is replaced by its secant.
     stress: f64,
     /// Share of the modulus and rate [1/s] of each branch.
     branches: Vec<(f64, f64)>,
 }
 
 impl SecantModulus {
-    /// A material of modulus `modulus` \[Pa\] without branches, behind the front in `rod`.
+    /// Creates a material of modulus `modulus` \[Pa\] without branches, for the stress behind the
+    /// front in `rod`.
     pub(crate) fn behind_front(rod: &DrivenRod<'_>, modulus: f64) -> Self {
         let fastest = rod.samples.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
         Self {

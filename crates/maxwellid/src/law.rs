@@ -105,7 +105,8 @@ pub enum Scale {
 pub enum Role {
     /// A coordinate of the identification, with a verdict.
     Coordinate,
-    /// Derived from the coordinates, with their correlated errors. B [Pa^κ s] changes by tens of
-    /// per cent with an error of 0.03 in κ, because it extrapolates from 10 MPa to 1 Pa.
+    /// Derived from the coordinates, with their correlated errors. For example, B [Pa^κ s] changes
+    /// by tens of per cent with an error of 0.03 in κ, because B extrapolates the law from 10 MPa
+    /// to 1 Pa.
     Derived,
 }

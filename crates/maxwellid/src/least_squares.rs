@@ -3,8 +3,9 @@
 //! Each iteration computes one singular value decomposition of the scaled Jacobian J D = U S Vᵀ; a
 //! step for any damping λ is then D V S (S² + λ)⁻¹ Uᵀ (-r). The scales D are the largest changes of
 //! each parameter in one iteration. In these units a poorly determined direction needs little
-//! damping to stay within its limit, so that it does not slow the well-determined directions, as
-//! scaling by column norms would. Termination is a value with a reason, never an error.
+//! damping to stay within its limit, so that this damping does not slow the well-determined
+//! directions; scaling by column norms would slow them. Termination is a value with a reason, never
+//! an error.
 
 use faer::Mat;
 
@@ -52,8 +53,8 @@ impl std::ops::AddAssign for Evaluations {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// A step within the limits would reduce the sum of squares by less than 1e-10 of it or, for a
-    /// whitened residual, a hundred-thousandth, which changes no parameter by more than some
+    /// A step within the limits would reduce the sum of squares by less than a fraction of it:
+    /// 1e-10, or 1e-5 for a whitened residual, at which no parameter changes by more than some
     /// hundredths of its standard error.
     NoReductionLeft,
     /// The step is below 1e-9 of its limit in every parameter.
@@ -62,8 +63,8 @@ pub enum Termination {
     ResidualIsRounding,
     /// No step, however short, reduces the sum of squares.
     NoDescent,
-    /// End as for [`Self::NoReductionLeft`], but with a parameter at a bound beyond which the sum
-    /// of squares still falls.
+    /// As [`Self::NoReductionLeft`], but with a parameter at a bound beyond which the sum of
+    /// squares still falls.
     AtBound,
     /// The improvement of the parameters is below the pre-assigned tolerance; only with
     /// [`crate::Method::Historical`].
@@ -104,8 +105,8 @@ pub(crate) struct Minimum {
     pub(crate) termination: Termination,
 }
 
-/// Distance of a start from a minimum, in standard errors, up to which it counts as leading to the
-/// same minimum.
+/// Distance of a start from a minimum, in standard errors, below which a search from this start is
+/// assumed to lead to the same minimum.
 const OF_ONE_MINIMUM: f64 = 1.0;
 
 impl Minimum {
@@ -143,10 +144,11 @@ impl Minimum {
         sum
     }
 
-    /// Parameters at which start and minimum would coincide, by the secant through two renewals of
-    /// a problem: this one, from `start`, and the `last` one, given by its start and its minimum.
-    /// Lengths are in standard errors (Anderson 1965, of depth one). Returns the minimum if there
-    /// is no `last` renewal.
+    /// Next start of an iteration in which the problem is re-estimated after every minimisation:
+    /// the parameters at which start and minimum would coincide, by the secant through this
+    /// minimisation, from `start`, and the `last` one, given by its start and its minimum. Lengths
+    /// are in standard errors (Anderson 1965, of depth one). Returns the minimum if there is no
+    /// `last` minimisation.
     pub(crate) fn meeting(&self, start: &[f64], last: Option<(&[f64], &[f64])>) -> Vec<f64> {
         let end = &self.parameters;
         let Some((last_start, last_end)) = last else {
@@ -177,9 +179,9 @@ impl Minimum {
     }
 }
 
-/// Limits of the factor on the change between two renewals. The lower limit is the factor for an
-/// iteration whose error falls to three quarters per renewal, the upper limit is that for an
-/// iteration whose error changes sign and grows.
+/// Limits of the factor on the change between two minima in [`Minimum::meeting`]. An iteration
+/// whose error falls to three quarters in each step has a factor of -3, one whose error changes
+/// sign and grows beyond all limits has a factor of 1.
 const SECANT: (f64, f64) = (-3.0, 1.0);
 
 pub(crate) fn sum_of_squares(residual: &[f64]) -> f64 {
@@ -231,12 +233,13 @@ impl ScaledDecomposition {
 }
 
 const ITERATIONS: usize = 200;
-/// Remaining relative reduction of the sum of squares at a minimum.
+/// Predicted relative reduction of the sum of squares below which an iteration ends.
 const REDUCTION: f64 = 1e-10;
-/// Multiple of the reduction that ends an iteration, below which no shorter step is tried, because
-/// a response on a grid is rough by that amount.
+/// Multiple of the `reduction` of [`minimise_to`] below which no shorter step is tried, because the
+/// grid makes the sum of squares rough by this amount.
 const OF_ROUGHNESS: f64 = 10.0;
-/// Multiple of the reduction that ends an iteration, up to which a rejected step is near a minimum.
+/// Multiple of the `reduction` of [`minimise_to`] below which a rejected step is assumed to be near
+/// a minimum.
 const NEAR: f64 = 100.0;
 /// Smallest damping that has an effect, as a share of the smallest square of a singular value.
 const LEAST_EFFECT: f64 = 0.01;
@@ -332,7 +335,8 @@ pub(crate) fn minimise_to(
             }
             let beyond: Vec<f64> = parameters.iter().zip(&step).map(|(t, p)| t + p).collect();
             let trial = within(&beyond, &bounds);
-            // the first trial mostly succeeds, and its derivatives come with its residual
+            // the first trial mostly succeeds, so its residual is computed together with the
+            // derivatives
             let of_residual = rejected
                 .then(|| {
                     evaluations.residuals += 1;
@@ -348,9 +352,9 @@ pub(crate) fn minimise_to(
             let is_better = reached.is_some_and(|reached| reached < value);
             let Some(next) = next.filter(|_| is_better) else {
                 match reached {
-                    // if little reduction was predicted, the direction is right and the length is
-                    // not; the shorter step is the minimum of the parabola through both values and
-                    // the slope
+                    // if little reduction was predicted, the direction is right but the step is too
+                    // long: the next one ends at the minimum of the parabola through both values
+                    // and the slope
                     Some(reached) if part < 1.0 || predicted < NEAR * reduction * value => {
                         let shorter = predicted / (reached - value + 2.0 * predicted);
                         part *= shorter.clamp(0.1, 0.5);
@@ -469,7 +473,7 @@ fn damped_step(svd: &ScaledDecomposition, scales: &[f64], damping: f64) -> Vec<f
 mod tests {
     use super::*;
 
-    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), the valley of Rosenbrock, and a third parameter without effect.
+    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), Rosenbrock's valley, with a third parameter that has no effect.
     struct Valley;
 
     impl LeastSquares for Valley {
@@ -499,7 +503,7 @@ mod tests {
             "{:?}",
             minimum.termination
         );
-        // a zero-residual problem ends at rounding: (1e-14)² in the sum of squares
+        // the iteration ends where the residual is at the rounding level of 1e-14
         assert!((minimum.parameters[0] - 1.0).abs() < 1e-12);
         assert!((minimum.parameters[1] - 1.0).abs() < 1e-12);
         assert!((minimum.parameters[2] - 7.0).abs() < 1e-12);
@@ -510,7 +514,7 @@ mod tests {
         assert!(minimise(&Valley, &[60.0, 0.0, 0.0], 0.0).unwrap().is_none());
     }
 
-    /// The valley with a wall at θ₁ = 0.5.
+    /// Rosenbrock's valley with a bound at θ₁ = 0.5.
     struct Walled;
 
     impl LeastSquares for Walled {
@@ -538,8 +542,8 @@ mod tests {
             .unwrap();
         assert_eq!(minimum.termination, Termination::AtBound);
         assert!(!minimum.termination.was_successful());
-        // on the wall the best point is the bottom of the valley, θ₂ = θ₁²; the iteration ends
-        // where a reduction by a ten-billionth is left
+        // at the bound the minimum is at the bottom of the valley, θ₂ = θ₁²; tolerance: the
+        // iteration ends when the predicted relative reduction is below 1e-10
         assert!((minimum.parameters[0] - 0.5).abs() < 1e-15);
         assert!((minimum.parameters[1] - 0.25).abs() < 1e-5);
     }
@@ -583,8 +587,8 @@ mod tests {
         assert_eq!(minimum.termination, Termination::NoReductionLeft);
     }
 
-    /// Iterations x -> a x + 1: the secant through the renewals from 0 to 1 and from 1 to `end`
-    /// gives the fixed point 1/(1 - a), unless the limit of the factor is reached.
+    /// Checks, for the iteration x -> a x + 1, that the secant through the steps from 0 to 1 and
+    /// from 1 to a + 1 gives the fixed point 1/(1 - a), unless the limit of the factor is reached.
     #[test]
     fn two_renewals_tell_where_an_iteration_of_straight_steps_ends() {
         let meeting = |end: f64, last: Option<(&[f64], &[f64])>| {
@@ -613,7 +617,7 @@ mod tests {
             let found = meeting(slope + 1.0, last);
             assert!((found - expected).abs() < 1e-12, "{slope}: {found}");
         }
-        // there is no secant after a single renewal or after two equal changes
+        // there is no secant after a single step or after two equal steps
         assert!((meeting(1.9, None) - 1.9).abs() < 1e-15);
         assert!((meeting(2.0, last) - 2.0).abs() < 1e-15);
     }

@@ -52,17 +52,18 @@ pub struct LinearisedResponse {
     pub by_parameter: Vec<Vec<f64>>,
 }
 
-/// A model of a rod that can be fitted to tests. Every [`IdentifiableLaw`](crate::IdentifiableLaw) is one, with θ = (ln E,
-/// parameters of the law) and the solver [`rodwave::characteristics`]; a linear material solved in
-/// the frequency domain is another.
+/// A model of a rod that can be fitted to tests. Every
+/// [`IdentifiableLaw`](crate::IdentifiableLaw) is one, with θ = (ln E, parameters of the law) and
+/// the solver [`rodwave::characteristics`]; a linear material solved in the frequency domain is
+/// another.
 ///
 /// # Requirements
 /// The first component of θ is ln E \[Pa\], where E is the modulus that gives the front speed; a
 /// fit starts with E from the time of flight. The derivatives are those of [`Self::response`], to
 /// at least three digits. All results are functions of θ: the trait has no state. The numbers of
 /// names, step limits, bounds and starting values must equal the number of parameters; a response
-/// has one entry per time, and its derivatives one such column per parameter. A response of another
-/// length counts as missing.
+/// has one entry per time, and its derivative with respect to each parameter has as many. A
+/// response of another length is treated as missing.
 pub trait RodModel: Debug + Send + Sync {
     /// Name of the model.
     fn name(&self) -> &str;

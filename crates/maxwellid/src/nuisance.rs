@@ -163,8 +163,8 @@ pub(crate) struct Orthonormal {
     triangle: Vec<Vec<f64>>,
 }
 
-/// Fraction of the length of a column below which its remainder counts as zero: the column is a
-/// combination of the others.
+/// Fraction of the length of a column below which its remainder is treated as zero, so that the
+/// column is a combination of the others.
 const DEPENDENT: f64 = 1e-10;
 
 impl Orthonormal {

@@ -15,35 +15,37 @@
 //! with L the likelihood of the residual and w the prior weights of the laws. The covariance C of
 //! the residual contains the noise of both histories; the noise of the excitation is propagated
 //! through each candidate's rod at its most probable excitation. Excitation and covariance are
-//! renewed until χ² no longer changes, for every candidate. A parameter that the data do not
-//! determine does not reduce ln Z; a parameter that they determine reduces it by the logarithm of
-//! the factor by which they narrow the prior (Occam's factor).
+//! re-estimated for every candidate until its χ² no longer changes. A parameter that the data do
+//! not determine does not reduce ln Z; a parameter that they determine reduces it by the logarithm
+//! of the factor by which they narrow the prior (Occam's factor).
 //!
-//! Grids are refined until the error of the solver is small compared with the noise; otherwise it
+//! Grids are refined until the error of the solver is small compared with the noise; a larger error
 //! would refute the right law in records of low noise.
 //!
 //! A law that contains another as a limit is also fitted from this limit, so that its fit is never
 //! worse. χ² and adequacy are those of the likeliest parameters, without the prior.
 //!
-//! For known noise ln L = -½ χ². For noise estimated from q samples at rest the common factor is
-//! marginalised, ln L = -½ (n + q) ln(1 + χ²/q). Residuals that are correlated beyond C count as
-//! fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
+//! For known noise ln L = -½ χ². For noise estimated from q samples at rest, the unknown factor
+//! common to all noise levels is marginalised, ln L = -½ (n + q) ln(1 + χ²/q) with n samples. If
+//! the residual of the best candidate has further correlation ρ_l at lag l, beyond that in C, n and
+//! χ² are divided by 1 + 2 Σ ρ_l.
 //!
 //! # Decision
 //! 1. If χ² of the best candidate has a probability below 0.001 (chi-square, or F with q), the
 //!    answer is *none of these*.
 //! 2. If no candidate has a probability of 0.95, the answer is *cannot tell*, with the candidates
 //!    in question.
-//! 3. If a nonlinear law leads, but all tests have one impact velocity, and a linear law with a
-//!    flat loss is not refuted by its χ² (or no such law was a candidate), the answer is *cannot
-//!    tell*, with the advice to repeat at another velocity.
+//! 3. If a nonlinear law leads and all tests have one impact velocity, the answer is *cannot tell*,
+//!    with the advice to repeat at another velocity, unless a linear law with a flat loss is among
+//!    the candidates and is refuted by its χ².
 //!
 //! Both levels can be set. The paper's own procedure (Ödeen 1993, paper D, section 2.2) is in
 //! [`crate::adequacy`]; it is of historical interest, and no decision is based on it.
 //!
 //! # Limitations
-//! If a posterior has several separate peaks, only the highest one found counts. Errors of L and of
-//! the sensors are in C only if the tests state them; an error of ρ is not in C.
+//! If a posterior has several separate peaks, the evidence is that of the highest peak found. C
+//! contains the errors of the length and of the sensors only if the tests state them; C does not
+//! contain the error of the density.
 //!
 //! Theory: `docs/theory/model-identification.md`.
 
@@ -118,21 +120,23 @@ pub struct Selection {
     adequacy_level: f64,
 }
 
-/// Ratio of impact velocities below which they count as one velocity.
+/// Ratio of two impact velocities below which they are treated as one velocity.
 pub const DISTINCT_VELOCITIES: f64 = 1.2;
 
 /// Probability of the misfit of a law below which the law is refuted, unless another level is set.
 pub const ADEQUACY_LEVEL: f64 = 1e-3;
 
 /// Difference of ln Z (Laplace's method) from the best law beyond which a law is discarded without
-/// exact evidence: e^-40, while the methods differ by a few units at most.
+/// importance sampling: a probability of e^-40, while ln Z of the two methods differs by a few
+/// units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
 
-/// Largest sum of the squares of the error of the grid over all samples, in standard deviations of
-/// the noise: χ² of the right law rises by this amount on average.
+/// Largest permitted sum over all samples of the squared error of the grid, in units of the
+/// variance of the noise: χ² of the right law rises by this amount on average.
 const GRID_ERROR: f64 = 2.0;
 
-/// Largest number of refinements of the grid, and the least ratio of a cell to the one before.
+/// Largest number of refinements of the grid, and smallest ratio of a cell to that of the previous
+/// grid.
 const REFINEMENTS: usize = 3;
 const SHORTEST_SHARE: f64 = 0.25;
 
@@ -144,9 +148,9 @@ const REFUTED: f64 = 1e-3;
 const SHORTEST_CELL: f64 = 0.5e-3;
 
 impl Selection {
-    /// Creates a comparison of these candidates. The noise stated by each test counts as known;
-    /// noise that all tests have estimated from their quiet parts counts as estimated from these
-    /// samples.
+    /// Creates a comparison of these candidates. Noise that the tests state is treated as known;
+    /// noise that all tests have estimated from their quiet parts is treated as estimated from the
+    /// samples of these parts.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`].
@@ -164,16 +168,16 @@ impl Selection {
         })
     }
 
-    /// Adds candidates that enter only if the others leave a nonlinear law in question, or if none
-    /// of them explains the data. They follow the others in the result, and the probabilities are
-    /// those among all candidates.
+    /// Adds candidates that are compared only if the first ones leave a nonlinear law in question,
+    /// or if none of the first ones explains the data. They follow the first candidates in the
+    /// result, and the probabilities are those among all candidates.
     #[must_use]
     pub fn with_further(self, further: Vec<Candidate>) -> Self {
         Self { further, ..self }
     }
 
-    /// Sets the number of samples at rest from which the noise of the tests was estimated. The
-    /// common factor of the noise is then uncertain and is marginalised. With 0 only the ratios of
+    /// Sets the number of samples at rest from which the noise of the tests was estimated. A factor
+    /// common to all noise levels is then uncertain and is marginalised. With 0 only the ratios of
     /// the noise levels are known, and no law can be refuted by its misfit.
     ///
     /// # Errors
@@ -293,8 +297,8 @@ impl Selection {
         all.concluded(tests, &ground, &found, &mut weighed)
     }
 
-    /// The comparison on grids that are fine enough for the noise, with the result of
-    /// [`Self::found`] there.
+    /// Returns the comparison with a cell that is short enough for the noise, and the result of
+    /// [`Self::found`] with this cell.
     fn resolved(
         &self,
         tests: &[RodTest],
@@ -313,9 +317,10 @@ impl Selection {
         Ok((resolved, found))
     }
 
-    /// A shorter cell \[m\], if the error of the present grid is not small compared with the noise
-    /// for a nonlinear law that, without this error, may explain the data, and as well as the best
-    /// law. On a finer grid, a law that is refuted in any case would only take longer.
+    /// Returns a shorter cell \[m\] if the error of the present grid is not small compared with the
+    /// noise for a nonlinear law that, without this error, may explain the data about as well as
+    /// the best law. The grid is not refined for a law that is refuted even without the error of
+    /// the grid.
     fn finer_cell(
         &self,
         tests: &[RodTest],
@@ -346,7 +351,7 @@ impl Selection {
         (error > GRID_ERROR && cell < 0.9 * self.cell).then_some(cell)
     }
 
-    /// Sum of the squares of the error of the grid over all samples, in standard deviations of the
+    /// Sum over all samples of the squared error of the grid, in units of the variance of the
     /// noise. The error, of second order in the cell, follows from the response on a grid of half
     /// the cell.
     fn grid_error(
@@ -375,8 +380,8 @@ impl Selection {
     /// `known` are the results of the first candidates.
     ///
     /// Candidates are processed by their number of parameters, so that a special case is known
-    /// before the law that contains it. Linear laws come first, because the best of them gives the
-    /// nonlinear laws a start for E.
+    /// before the law that contains it. Linear laws come first, because the best linear law
+    /// provides the nonlinear laws with a start for E.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` contains indices of candidates, and `found` has one entry per candidate"
@@ -395,7 +400,8 @@ impl Selection {
         for linear in [true, false] {
             let mut order: Vec<usize> = (first..self.candidates.len()).collect();
             order.retain(|index| self.candidates[*index].model.is_linear() == linear);
-            // independent of the order in which the candidates are stated
+            // the order of processing does not depend on the order in which the candidates are
+            // stated
             order.sort_by_key(|index| {
                 let candidate = &self.candidates[*index];
                 (size(candidate), candidate.name())
@@ -465,8 +471,8 @@ impl Selection {
         }
     }
 
-    /// χ² beyond which further renewals of a candidate are of no use, given the candidates `found`:
-    /// ln L is below the best by twice the distance that excludes a candidate from the comparison.
+    /// χ² beyond which excitation and covariance of a candidate are not re-estimated again, given
+    /// the candidates `found`: ln L is below the best one by twice [`BEYOND_COMPARISON`].
     fn hopeless(&self, found: &[Option<Found>], ground: &Ground) -> f64 {
         let Some(least) = least(found) else {
             return f64::INFINITY;
@@ -475,13 +481,13 @@ impl Selection {
         let fall = 4.0 * BEYOND_COMPARISON;
         match self.noise_samples {
             None => least.chi_square + fall * inflation,
-            // 1 + χ²/q grows by this exponential
+            // 1 + χ²/q is multiplied by this exponential
             Some(q) => (q + least.chi_square) * (fall / (effective + q)).exp() - q,
         }
     }
 
-    /// Factor of the standard deviations, from noise and residual together; 1 if the noise is
-    /// known.
+    /// Factor on the standard deviations of the noise, from quiet samples and residual together; 1
+    /// if the noise is known.
     fn noise_scale(&self, chi_square: f64, samples: usize) -> f64 {
         self.noise_samples
             .map_or(1.0, |q| ((q + chi_square) / (q + samples as f64)).sqrt())
@@ -491,13 +497,13 @@ impl Selection {
         match self.noise_samples {
             None => -0.5 * chi_square,
             Some(q) if q > 0.0 => -0.5 * (samples + q) * (chi_square / q).ln_1p(),
-            // only the ratio of the levels is known
+            // only the ratios of the noise levels are known
             Some(_) => -0.5 * samples * chi_square.ln(),
         }
     }
 
-    /// Probability of so large a misfit if the candidate were true; `None` if the level of the
-    /// noise is not known.
+    /// Probability of a misfit at least this large if the candidate were true; `None` if the level
+    /// of the noise is not known.
     fn adequacy(&self, chi_square: f64, degrees: f64) -> Option<f64> {
         match self.noise_samples {
             None => Some(ChiSquared::new(degrees).ok()?.sf(chi_square)),
@@ -524,7 +530,7 @@ fn least(found: &[Option<Found>]) -> Option<&Likeliest> {
     fits.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
 }
 
-/// Data from the tests before any model is fitted.
+/// Quantities of the tests that are needed before a model is fitted.
 pub(crate) struct Ground {
     pub(crate) times: Vec<Vec<f64>>,
     /// Modulus from the time of flight \[Pa\].
@@ -534,8 +540,8 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
-    /// Factor by which correlation reduces the number of independent residuals of a fit, and this
-    /// number.
+    /// Factor by which autocorrelation reduces the number of independent samples of the residual of
+    /// a fit, and the reduced number.
     fn inflation(&self, fit: &Likeliest) -> (f64, f64) {
         let lengths: Vec<usize> = self.times.iter().map(Vec::len).collect();
         let inflation = correlation_inflation(&fit.residual, &lengths);

@@ -8,8 +8,8 @@
 //! [`RodModel::prony`]: crate::RodModel::prony
 //! [`RodModel::special_case`]: crate::RodModel::special_case
 
-/// Relaxation time \[s\] that represents no relaxation: a record of milliseconds changes by a
-/// hundred-thousandth.
+/// Relaxation time \[s\] that represents no relaxation: it changes a response by a fraction of 1e-5
+/// within milliseconds.
 pub(crate) const UNRELAXED: f64 = 1e3;
 
 /// Share of the modulus that represents zero.
@@ -61,8 +61,8 @@ impl PronySeries {
         }
     }
 
-    /// Relaxation time \[s\] if this is a Maxwell law or, with a time beyond any record, an elastic
-    /// rod.
+    /// Relaxation time \[s\] of a Maxwell law, or [`UNRELAXED`] for an elastic rod; `None` for any
+    /// other series.
     #[must_use]
     pub(crate) fn single_time(&self) -> Option<f64> {
         match self.branches.as_slice() {

@@ -11,8 +11,8 @@
 //! ```
 //!
 //! Stresses such as m are proportional to ρL, viscosities to ρL²; exponents, times and loss factors
-//! do not change. The relations are valid for any histories, for a fit with or without nuisances,
-//! if all tests are of one specimen.
+//! do not change. The relations are valid for any histories, and for fits with or without
+//! nuisances, if all tests were made with one specimen.
 
 use crate::error::{MaxwellidError, check_not_negative};
 
@@ -53,7 +53,7 @@ impl SpecimenSensitivity {
         }
     }
 
-    /// Standard error due to an uncertain specimen: of the parameter or of its logarithm, like the
+    /// Standard error due to an uncertain specimen, of the parameter or of its logarithm as for the
     /// sensitivity.
     #[must_use]
     pub fn standard_error(&self, specimen: &SpecimenUncertainty) -> f64 {

@@ -84,7 +84,7 @@ pub(crate) fn best_candidate<M: RodModel>(
         .map(|(_, candidate)| candidate.clone())
 }
 
-/// Minima from all `starts`, in their order; those where the model does not exist are omitted.
+/// Minima from all `starts`, in their order; `None` for a start at which the model does not exist.
 pub(crate) fn minima<F>(
     starts: &[Vec<f64>],
     minimise: F,
@@ -97,15 +97,15 @@ where
         .collect()
 }
 
-/// Smallest lag of the arrival, in samples, that counts as another minimum.
+/// Smallest lag of the arrival, in samples, at which the minimum is regarded as a wrong one.
 const SMALLEST_LAG: usize = 2;
 
-/// Smallest improvement of the correlation that a lag must give.
+/// Amount by which the correlation at a lag must exceed the correlation without lag.
 const BETTER: f64 = 0.1;
 
-/// Returns the delay \[s\], in addition to the one found, for which the simulated response agrees
-/// best with the measured one, and the test with the best agreement; `None` if the delay can result
-/// from sampling and noise.
+/// Returns the test and the delay \[s\], in addition to the delay of the fit, at which simulated
+/// and measured response correlate best; `None` if no delay improves the correlation by more than
+/// sampling and noise can.
 ///
 /// The correlation is that of the differences of neighbouring samples, in which fronts dominate.
 pub(crate) fn arrival_lag<'a, M: RodModel>(
@@ -146,7 +146,7 @@ pub(crate) fn arrival_lag<'a, M: RodModel>(
 }
 
 /// Young's modulus \[Pa\] at which the front of `test` arrives `lag` \[s\] later than with
-/// `modulus`; `None` for an arrival before its departure.
+/// `modulus`; `None` if the front would arrive in less than a tenth of its time of flight.
 pub(crate) fn modulus_after_lag(test: &RodTest, modulus: f64, lag: f64) -> Option<f64> {
     let transit = test.length * (test.density / modulus).sqrt();
     let corrected = transit + lag;

@@ -29,15 +29,15 @@ pub enum Provenance {
 pub struct RodTestData {
     /// Name, for messages and reports.
     pub name: String,
-    /// Distance L from the section of excitation to the free end \[m\].
+    /// Distance L from the section where the excitation is measured to the free end \[m\].
     pub length: f64,
     /// Density [kg/m³].
     pub density: f64,
-    /// Characteristic velocity V0 [m/s], the impact velocity, to which errors are relative.
+    /// Impact velocity V0 [m/s], by which residuals and errors are divided.
     pub impact_velocity: f64,
     /// Sampling rate of both histories \[Hz\].
     pub sampling_rate_hz: f64,
-    /// Velocity v_e at the section of excitation [m/s].
+    /// Velocity v_e at the section of the excitation [m/s].
     pub excitation: Vec<f64>,
     /// Velocity v_r of the free end [m/s].
     pub response: Vec<f64>,
@@ -96,7 +96,7 @@ pub enum TestFlag {
 /// overflow.
 const LARGEST: f64 = 1e150;
 
-/// Largest first sample, as a fraction of V0, that counts as noise and not as motion.
+/// Largest first sample, as a fraction of V0, that is accepted as noise of a rod at rest.
 const REST: f64 = 0.15;
 
 impl RodTest {
@@ -370,7 +370,8 @@ impl RodTest {
         Ok(time)
     }
 
-    /// Checks that the window contains the arrival of the wave and enough after it for its shape.
+    /// Checks that the window contains the arrival of the wave and enough samples after it to show
+    /// the shape of the wave.
     fn check_window(&self) -> Result<(), MaxwellidError> {
         let arrival = half_rise(&self.response).ok_or_else(|| MaxwellidError::NoArrival {
             test: self.name.clone(),
@@ -392,8 +393,8 @@ impl RodTest {
 /// Number of samples after the arrival needed for the shape of a front.
 const AFTER_ARRIVAL: f64 = 8.0;
 
-/// Error of a time of flight in samples: half a sample at either end and as much for the change of
-/// a front along the rod.
+/// Error of a time of flight in samples: half a sample at either end, and one sample for the change
+/// of a front along the rod.
 const TIME_ERROR: f64 = 2.0;
 
 /// Difference of ln E between rods of one material due to dispersion and amplitude, in addition to
@@ -414,7 +415,7 @@ pub(crate) fn check_temperatures(
     }
 }
 
-/// Rejects one recording as two tests: its noise would count twice.
+/// Rejects one recording as two tests, because its information would be counted twice.
 pub(crate) fn check_distinct(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     for (index, first) in tests.iter().enumerate() {
         for second in tests.iter().skip(index + 1) {
@@ -427,7 +428,7 @@ pub(crate) fn check_distinct(tests: &[RodTest]) -> Result<(), MaxwellidError> {
                 ("response", &first.response, &second.response),
             ];
             for (history, one, other) in histories {
-                // without noise, tests of rods that are linear or at rest may well agree
+                // without noise, the histories of two tests may be equal
                 let moves = one.iter().any(|v| *v != 0.0);
                 if moves && first.noise.is_some() && one == other {
                     return Err(MaxwellidError::SameRecording {
@@ -456,7 +457,7 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
         .collect::<Result<_, _>>()?;
     let mut sorted = moduli.clone();
     sorted.sort_by(f64::total_cmp);
-    // of two tests the upper one; their comparison is symmetric, so that either would do
+    // for two tests the larger modulus, so that they are compared with each other
     let Some(median) = sorted.get(sorted.len() / 2).copied() else {
         return Err(MaxwellidError::NoTest);
     };
@@ -475,9 +476,9 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     Ok(())
 }
 
-/// Young's modulus \[Pa\] from the times of flight of all tests, each weighted by the inverse
-/// variance of ln E. The error of a time of flight is a fraction of a sample, so that the variance
-/// falls with the square of the time in samples.
+/// Young's modulus \[Pa\] from the times of flight of all tests: the mean of ln E, each test
+/// weighted by the inverse variance. All times of flight have the same error in samples, so that
+/// this variance is inversely proportional to the square of the time of flight in samples.
 pub(crate) fn modulus_of_all(tests: &[RodTest]) -> Result<f64, MaxwellidError> {
     let mut logarithms = Vec::with_capacity(tests.len());
     for test in tests {
@@ -496,7 +497,7 @@ pub(crate) fn modulus_of_all(tests: &[RodTest]) -> Result<f64, MaxwellidError> {
 /// Fractional index at which a history first reaches half the height of its first peak.
 ///
 /// The first peak is the largest magnitude within [`RISE`] samples of the first crossing of a
-/// quarter of the overall largest: later reflections, which a free end doubles, may be higher.
+/// quarter of the overall largest: later waves, whose velocity a free end doubles, may be higher.
 pub(crate) fn half_rise(samples: &[f64]) -> Option<f64> {
     let largest = |samples: &[f64]| samples.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
     let quarter = 0.25 * largest(samples);
@@ -516,7 +517,8 @@ pub(crate) fn half_rise(samples: &[f64]) -> Option<f64> {
         .map(|(index, (below, above))| index as f64 + (half - below) / (above - below))
 }
 
-/// Number of samples of the rise of a front: at 51.2 kHz and 16 kHz bandwidth it takes two.
+/// Number of samples in which a front is assumed to rise; at 51.2 kHz and a bandwidth of 16 kHz it
+/// rises in two.
 const RISE: usize = 5;
 
 #[cfg(test)]

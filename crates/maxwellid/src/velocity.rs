@@ -1,10 +1,10 @@
 //! Velocity from a sampled displacement.
 //!
-//! A polynomial of even degree d is fitted to the 2 m + 1 samples around each sample, and its slope
-//! is the velocity (Savitzky and Golay, Anal. Chem. 36 (1964) 1627). A smoothing spline is
-//! equivalent in the middle of a record; this filter is preferred because it has no data-dependent
-//! tuning, no memory beyond m samples, exactly linear phase, and a noise whose covariance is known
-//! in closed form: it is a finite sum of the noise of the displacement.
+//! A polynomial of degree d is fitted to the 2 m + 1 samples around each sample, and its slope is
+//! the velocity (Savitzky and Golay, Anal. Chem. 36 (1964) 1627). A smoothing spline is equivalent
+//! in the middle of a record; this filter is preferred because it has no data-dependent tuning, no
+//! memory beyond m samples, exactly linear phase, and noise with a covariance in closed form,
+//! because the velocity is a finite sum of displacements.
 
 use crate::error::MaxwellidError;
 
@@ -21,8 +21,9 @@ use crate::error::MaxwellidError;
 /// let differentiator = Differentiator::new(2, 4)?; // five points, degree 4
 /// // (u₋₂ - 8 u₋₁ + 8 u₁ - u₂)/12, the difference of fourth order
 /// assert!((differentiator.weights()[3] - 8.0 / 12.0).abs() < 1e-12);
-/// // a hundredth of the slope is lost at 0.12 of the sampling rate, and white noise of 1 µm at 51.2 kHz becomes 49 mm/s
+/// // a hundredth of the slope is lost at 0.12 of the sampling rate
 /// assert!((differentiator.bandwidth(0.01) - 0.12).abs() < 0.01);
+/// // white noise of 1 µm at 51.2 kHz becomes 49 mm/s
 /// assert!((differentiator.noise_gain() * 51_200.0 * 1e-6 - 0.0486).abs() < 1e-4);
 /// # Ok::<(), maxwellid::MaxwellidError>(())
 /// ```
@@ -48,8 +49,8 @@ impl Differentiator {
             (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
         );
         // Gram's polynomials qₖ, orthonormal over the points, from x qₖ₋₁ minus its part along the
-        // previous ones, each with its slope at 0. Powers of x would be dependent within rounding
-        // from degree 20 on.
+        // previous ones, each with its slope at 0. Powers of x would be linearly dependent within
+        // rounding from degree 20 on.
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let constant = (points.len() as f64).sqrt().recip();
         let mut polynomials: Vec<(Vec<f64>, f64)> = vec![(vec![constant; points.len()], 0.0)];
@@ -77,7 +78,8 @@ impl Differentiator {
             let length = dot(&next, &next).sqrt();
             next.iter_mut().for_each(|q| *q /= length);
             slope /= length;
-            // the slope of the fit is the sum of those of the polynomials, times their coefficients
+            // the slope of the fit is the sum of the slopes of the polynomials, each times its
+            // coefficient
             for (weight, q) in weights.iter_mut().zip(&next) {
                 *weight += slope * q / scale;
             }
@@ -92,7 +94,7 @@ impl Differentiator {
         &self.weights
     }
 
-    /// Number m of samples that the filter reaches to either side.
+    /// Half width m of the filter in samples.
     #[must_use]
     pub fn half_width(&self) -> usize {
         self.weights.len() / 2
@@ -146,8 +148,8 @@ impl Differentiator {
 
     /// Returns the velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. The first
     /// velocity belongs to the displacement of index `half_width`, the last one to the displacement
-    /// `half_width` samples before the last: no extrapolation. The result is empty for a record
-    /// shorter than the filter.
+    /// `half_width` samples before the last, so that nothing is extrapolated. The result is empty
+    /// for a record shorter than the filter.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,
@@ -157,7 +159,8 @@ impl Differentiator {
         displacement
             .windows(self.weights.len())
             .map(|window| {
-                // differences from the middle lose no digits to the displacement accumulated so far
+                // differences from the middle sample avoid the rounding error of a large
+                // displacement
                 let middle = window[window.len() / 2];
                 let sum: f64 = self
                     .weights
@@ -178,7 +181,7 @@ mod tests {
     #[test]
     fn the_covariance_is_that_of_the_sum() {
         let differentiator = Differentiator::new(3, 2).unwrap();
-        // the first three points of degree 2: d_j = j/Σj² = j/28
+        // seven points and degree 2: d_j = j/Σj² = j/28
         for (d, j) in differentiator.weights().iter().zip(-3_i32..) {
             assert!((d - f64::from(j) / 28.0).abs() < 1e-14);
         }

@@ -10,14 +10,15 @@
 //! linearised about a present estimate û the residual is S(û; θ) + H (v_e - û) - v_r, with the same
 //! covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is independent of
 //! the residual. Alternating between θ and u is the Gauss-Newton iteration for the joint problem;
-//! it also keeps the noise out of the nonlinear law. The remaining noise in û still counts as
-//! signal in the derivatives, mainly in ∂S/∂ln E, which is a derivative in time: the linearisation
-//! is therefore about û after a Wiener filter. This has no effect on the residual, which to first
-//! order does not depend on the excitation about which it is linearised.
+//! it also prevents the nonlinear law from acting on the noise. The noise that remains in û would
+//! enter the derivatives as if it were a signal, mainly ∂S/∂ln E, which is a derivative in time:
+//! the problem is therefore linearised about û after a Wiener filter. The filter has no effect on
+//! the residual, which to first order does not depend on the excitation about which it is
+//! linearised.
 //!
-//! Above the highest frequency with a signal in either history the excitation is known to be zero:
-//! H is followed by a low-pass, so that the noise of v_e there does not enter the residual.
-//! Otherwise laws would be compared by how they happen to filter this noise.
+//! Above the highest frequency at which either history contains a signal, the excitation is assumed
+//! to be zero: a low-pass filter before H removes the noise of v_e at these frequencies from the
+//! residual. Without it, the comparison of laws would depend on how each law filters this noise.
 //!
 //! If the recorder is part of the model ([`RodTest::with_recorder`]), the excitation before its
 //! filter takes the place of the record, the covariance of this excitation given the record takes
@@ -25,11 +26,11 @@
 //!
 //! # Approximations
 //! H is the derivative at the parameters of a previous stage. If there is a filter, H is computed
-//! for some samples of the excitation and interpolated between them. H is renewed about the present
-//! û as long as the parameters change by more than half a standard error: otherwise the estimate
-//! would depend on the start through H. Where the rod is at rest, a law is linearised over a change
-//! of the size of the noise. The discretisation error of the solver counts as white noise of the
-//! requested accuracy, so that a frequency without noise after a differentiator does not have
+//! for some samples of the excitation and interpolated between them. H is recomputed about the
+//! present û as long as the parameters change by more than half a standard error: with a fixed H
+//! the estimate would depend on the start. A law is linearised over a change of the excitation of
+//! the size of its noise. The discretisation error of the solver is treated as white noise of the
+//! requested accuracy, so that frequencies at which a differentiator leaves no noise do not have
 //! infinite weight.
 //!
 //! Theory: `docs/theory/identification.md#noise-of-both-histories`.
@@ -53,19 +54,20 @@ use spectrum::wiener_filtered;
 
 /// Largest cell of the grid for the transfer H \[m\]. The error of H multiplies the difference
 /// between the measured excitation and the excitation of the linearisation. This difference
-/// contains signal as well as noise: with columns at every eighth sample and cells of 8 mm, E of a
-/// strongly relaxing rod was too low by half a standard error at any noise level.
+/// contains signal as well as noise. For example, with columns at every eighth sample and cells of
+/// 8 mm, E of a strongly relaxing rod was too low by half a standard error at any noise level.
 const TRANSFER_CELL: f64 = 4e-3;
 
 /// Smallest cell chosen for the transfer \[m\].
 const SHORTEST_TRANSFER_CELL: f64 = 0.25e-3;
 
 /// Time step of the grid for the transfer, relative to the time between the points of the
-/// excitation. The pulse of a point lasts no longer than this time, so a longer step would miss
-/// some pulses.
+/// excitation. The interpolation of a single point is a pulse of about this length, and a longer
+/// step would miss some pulses.
 const STEP_OF_POINTS: f64 = 0.6;
 
-/// Returns the cell for the transfer of points at `rate_hz` \[Hz\].
+/// Returns the cell \[m\] of the grid for the transfer of an excitation with points at `rate_hz`
+/// \[Hz\].
 fn transfer_cell(test: &RodTest, parameters: &[f64], rate_hz: f64) -> Option<f64> {
     let speed = (parameters.first()?.exp() / test.density).sqrt();
     let of_points = STEP_OF_POINTS * speed / rate_hz;
@@ -73,7 +75,7 @@ fn transfer_cell(test: &RodTest, parameters: &[f64], rate_hz: f64) -> Option<f64
 }
 
 /// Change of the parameters, in standard errors, up to which the transfer from excitation to
-/// response need not be renewed.
+/// response is not recomputed.
 pub(crate) const TRANSFER_HOLDS: f64 = 0.5;
 
 /// Smallest change of the excitation for which a nonlinear rod is linearised, as a share of V0.
@@ -133,13 +135,13 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// A history of the response after the filter, at every point.
+    /// The history of the response after the filter, at every point of the excitation's grid.
     fn at_points(&self, history: Vec<f64>) -> Vec<f64> {
         let Some(drive) = self.drive else {
             return history;
         };
         let at_points = drive.seen.with_every(1);
-        // at rest before the rod moves, unless the filter looks ahead to the motion
+        // zero before the rod moves, except for the points from which the filter reaches the motion
         let rest = history.iter().take_while(|v| **v == 0.0).count();
         let rest = rest.saturating_sub(at_points.lead());
         let moving = at_points.of_history(history.get(rest..).unwrap_or_default());
@@ -197,8 +199,8 @@ impl Transfer {
         let samples = samples_of(excitation, window);
         let cell = transfer_cell(test, parameters, seen.rate_hz)?;
         if model.is_linear() {
-            // H consists of one column, shifted; it is computed for a sample late enough for the
-            // whole interpolation
+            // the columns of H are shifted copies of one column, computed for a sample with half an
+            // interpolation kernel before it
             let lead = SampledHistory::HALF_WIDTH;
             let base = vec![0.0; excitation.len() + lead];
             let times: Vec<f64> = (0..window + lead)
@@ -216,7 +218,7 @@ impl Transfer {
             };
             let impulse = seen.at_points(response_of(model, &rod, parameters)?);
             let columns = samples_of(excitation, window);
-            // before the impulse the rod is at rest
+            // the rod is at rest before the impulse
             let matrix = Mat::from_fn(seen.window, columns, |i, j| {
                 let since = (i * seen.every() + lead).checked_sub(j);
                 since.map_or(0.0, |since| impulse[since])
@@ -231,7 +233,7 @@ impl Transfer {
             ..deviation.of_rod(test.driven_rod(&times, cell))
         };
         let stride = seen.stride();
-        // the samples before the contact are known
+        // the points before the contact are known to be at rest
         let first = seen.first_unknown();
         let places: Vec<usize> = (first..samples).step_by(stride).collect();
         let noise = test.noise.as_ref().map(|noise| &noise.excitation);
@@ -326,10 +328,10 @@ pub(crate) struct Weighting {
     is_linear: bool,
     /// û [m/s]
     pub(crate) estimate: Vec<f64>,
-    /// û after the Wiener filter [m/s]
+    /// û after the Wiener filter [m/s]; û itself if the recorder is part of the model
     pub(crate) excitation: Vec<f64>,
     pub(crate) history: SampledHistory,
-    /// H (v_e - û) [m/s]
+    /// H times the record v_e, or the prior mean of the excitation, minus `excitation` [m/s]
     pub(crate) correction: Vec<f64>,
 }
 
@@ -391,11 +393,12 @@ impl Weighting {
         weighting.linearised_about(test, estimate)
     }
 
-    /// Linearises about `excitation` [m/s], which is first Wiener-filtered if it is a record.
+    /// Linearises about `excitation` [m/s], which is first Wiener-filtered unless the recorder is
+    /// part of the model.
     fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
         if let Some(drive) = test.drive(self.is_linear) {
-            // the prior of the excitation has removed its noise, and keeps it at rest before the
-            // contact
+            // no Wiener filter: with its prior, the excitation has little noise and is at rest
+            // before the contact
             let pairs = drive.mean.iter().zip(&excitation);
             let error: Vec<f64> = pairs.map(|(mean, u)| mean - u).collect();
             self.correction = self.transfer.times(&error);
@@ -410,8 +413,8 @@ impl Weighting {
         };
         self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
         self.estimate = excitation;
-        // the rod is at rest before the record: noise makes the first sample a jump, which no grid
-        // resolves
+        // the rod is at rest before the record, so that noise in the first sample is a jump, which
+        // no grid resolves
         for (k, u) in self.excitation.iter_mut().take(FADE).enumerate() {
             let share = k as f64 / FADE as f64;
             *u *= (0.5 * std::f64::consts::PI * share).sin().powi(2);
@@ -520,7 +523,7 @@ impl Weighting {
     }
 }
 
-/// Samples over which the excitation of the linearisation is faded in.
+/// Number of samples over which the excitation of the linearisation is faded in.
 const FADE: usize = 8;
 
 #[allow(

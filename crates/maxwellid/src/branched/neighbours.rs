@@ -17,14 +17,14 @@ const TIME_BOUNDS: (f64, f64) = (-25.0, 5.0);
 /// Bounds of the logarithm of a flat loss factor, from a limit without loss to 1.
 const LOSS_BOUNDS: (f64, f64) = (-17.0, 0.0);
 
-/// Relaxation time \[s\] from which a linear branch starts: within a record, and faster than its
-/// nonlinear neighbour.
+/// Relaxation time \[s\] from which the fit of a linear branch starts: shorter than a record, and
+/// faster than the nonlinear branch.
 const LINEAR_TIME: f64 = 3e-5;
 
 /// Flat loss factor from which a fit starts.
 const LOSS_FACTOR: f64 = 0.03;
 
-/// Most linear branches whose shares and times are parameters.
+/// Largest number of linear branches whose shares and times are parameters.
 const MOST_LINEAR: usize = 2;
 
 /// Names of the ratios of shares and of the relaxation times.
@@ -42,28 +42,29 @@ pub(super) enum Neighbours {
     /// of the ratios of all other shares to the first one, with that of the nonlinear branch last,
     /// and of the relaxation times.
     Branches { spring: bool, linear: usize },
-    /// The branches of a flat loss factor d. Parameters: the logarithm of the share of the
-    /// nonlinear branch divided by that of all others, and ln d.
+    /// A spring and Maxwell branches with a flat loss factor d. Parameters: the logarithm of the
+    /// share of the nonlinear branch divided by the share of all others together, and ln d.
     ///
-    /// With a = 2/π atan d the spectrum of (iω)^a is sin(πa)/π τ^(-a) per ln τ. It is summed by the
-    /// trapezoidal rule. A spring replaces the slower part of the spectrum; the first and last
-    /// branch include the loss of the faster and slower parts.
+    /// With a = 2/π atan d the relaxation spectrum of (iω)^a is sin(πa)/π τ^(-a) per ln τ. The
+    /// Maxwell branches are its sum by the trapezoidal rule. A spring replaces the part of the
+    /// spectrum slower than the last branch; the first branch includes the loss of the faster part,
+    /// the last branch that of the slower part.
     FlatLoss,
 }
 
-/// The neighbours at some values of their parameters.
+/// Shares and times of the branches at some values of the parameters.
 pub(super) struct Composition {
     pub(super) spring: f64,
     pub(super) linear: Vec<LinearBranch>,
     /// Share of the nonlinear branch.
     pub(super) of_law: f64,
-    /// Direction of each parameter.
+    /// Derivatives of shares and times with respect to each parameter.
     pub(super) directions: Vec<Direction>,
 }
 
 impl Neighbours {
-    /// Returns the neighbours with one more linear Maxwell branch, up to [`MOST_LINEAR`] in all; a
-    /// flat loss factor stays unchanged.
+    /// Adds a linear Maxwell branch, up to [`MOST_LINEAR`] in all; a flat loss factor stays
+    /// unchanged.
     pub(super) fn with_linear_branch(self) -> Self {
         match self {
             Self::Branches { spring, linear } => Self::Branches {
@@ -117,7 +118,8 @@ impl Neighbours {
     }
 
     /// Parameters at which the share of the nonlinear branch is `ratio` times that of the first
-    /// component, and its share of the total. Linear branches start with a tenth of that component.
+    /// component, and the share of the nonlinear branch in the sum. The other components start with
+    /// a tenth of the share of the first one.
     pub(super) fn start(self, ratio: f64) -> (Vec<f64>, f64) {
         let others = self.ratios() - 1;
         let parameters = std::iter::repeat_n(0.1_f64.ln(), others)
@@ -128,8 +130,8 @@ impl Neighbours {
         (parameters.collect(), share)
     }
 
-    /// Parameters with these shares of the nonlinear branch and of a spring as its only neighbour;
-    /// `None` if the neighbours cannot be a spring alone.
+    /// Parameters for a nonlinear branch of this `share` in parallel with nothing but a spring of
+    /// the share `spring`; `None` if there is no such limit.
     pub(super) fn beside_spring(self, share: f64, spring: f64) -> Option<Vec<f64>> {
         let ratio = (share / spring.max(NO_SHARE)).ln();
         match self {
@@ -155,7 +157,8 @@ impl Neighbours {
                 let sum: f64 = weights.clone().sum();
                 let mut shares: Vec<f64> = weights.map(|weight| weight / sum).collect();
                 let of_spring = if spring { shares.remove(0) } else { 0.0 };
-                // the first component is the reference of the ratios
+                // the first component has no ratio as a parameter: the other shares are relative to
+                // it
                 let first = usize::from(!spring);
                 let of_shares = (first..shares.len()).map(|k| Direction::Shares(moved(&shares, k)));
                 let of_times = (0..ln_times.len()).map(|k| {
@@ -219,8 +222,8 @@ impl Neighbours {
         }
     }
 
-    /// The quantities of the literature; gradients are with respect to the parameters of the
-    /// neighbours.
+    /// The quantities in the form used in the literature, with gradients with respect to the
+    /// parameters of this linear part.
     pub(super) fn stated(
         self,
         composition: &Composition,
@@ -281,7 +284,7 @@ impl Neighbours {
     }
 }
 
-/// dwᵢ/dx_k = wᵢ (δ_ik - w_k).
+/// Derivatives dwᵢ/dx_k = wᵢ (δ_ik - w_k) of the shares wᵢ with respect to ln-ratio k.
 fn moved(shares: &[f64], k: usize) -> Vec<f64> {
     let of = shares.get(k).copied().unwrap_or(0.0);
     let each = shares.iter().enumerate();
@@ -289,8 +292,8 @@ fn moved(shares: &[f64], k: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Weights of the branches of a flat loss factor, the spring first, and their derivatives with
-/// respect to the logarithm of that factor.
+/// Relaxation times of the branches of a flat loss factor, their weights with that of the spring
+/// first, and the derivatives of the weights with respect to the logarithm of the loss factor.
 struct Spectrum {
     times: Vec<f64>,
     weights: Vec<f64>,
@@ -308,8 +311,8 @@ impl Spectrum {
         let times: Vec<f64> = (0..count)
             .map(|index| first * (step * index as f64).exp())
             .collect();
-        // times in units of the last one; each weight with its logarithmic derivative with respect
-        // to a
+        // each branch as its weight, for times relative to the last one, and the derivative of the
+        // logarithm of the weight with respect to a
         let relative = |time: f64| (time / last).ln();
         let edge = 0.5 * step;
         let mut branches: Vec<(f64, f64)> = times
@@ -326,12 +329,13 @@ impl Spectrum {
                 *own = sum;
             }
         };
-        // the part faster than the first branch: a dashpot, whose loss the first branch includes
+        // the part of the spectrum faster than the first branch acts as a dashpot, whose loss the
+        // first branch includes
         let log = relative(first) - edge;
         let faster = scale * ((1.0 - a) * log - relative(first)).exp() / (1.0 - a);
         add(0, faster, of_scale - log + 1.0 / (1.0 - a));
-        // the part slower than the last branch: a spring with some loss, which the last branch
-        // includes
+        // the part of the spectrum slower than the last branch acts as a spring with some loss,
+        // which the last branch includes
         let slower = scale * (-(1.0 + a) * edge).exp() / (1.0 + a);
         let slower_by_a = of_scale - edge - 1.0 / (1.0 + a);
         add(count - 1, slower, slower_by_a);

@@ -1,4 +1,5 @@
-//! The standard solid with a nonlinear dashpot against other solvers, and its derivatives.
+//! Comparison of rods with a nonlinear branch and a linear part with other solvers, and tests of
+//! their derivatives.
 
 use rodwave::InelasticRod;
 use rodwave::band_limited::SampledHistory;
@@ -30,7 +31,7 @@ fn times() -> Vec<f64> {
     (0..130).map(|k| f64::from(k) / RATE).collect()
 }
 
-/// Calls a function with the rod driven by the excitation, on cells of this length.
+/// Calls `take` with a rod driven by [`excitation`], on cells of length `cell` \[m\].
 fn driven<T>(cell: f64, take: impl FnOnce(&DrivenRod<'_>) -> T) -> T {
     let samples = excitation();
     let history = SampledHistory::new(&samples, RATE).unwrap();
@@ -54,7 +55,8 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     pairs.fold(0.0, |top, (a, b)| f64::max(top, (a - b).abs()))
 }
 
-/// The chain of masses uses the rate of the law itself, without exact relaxation and without waves.
+/// Compares with the chain of masses, which integrates the rate of the law, without exact
+/// relaxation and without characteristics.
 #[test]
 fn the_response_is_that_of_the_lumped_chain() {
     let model = BranchedRod::standard_solid(norton(), "solid");
@@ -70,12 +72,12 @@ fn the_response_is_that_of_the_lumped_chain() {
     let solid = rod.clone().with_spring(2.0 / 3.0).unwrap();
     let with_spring = largest_difference(&found, &by_the_chain(&solid));
     assert!(with_spring < 0.01, "{with_spring} of 16 m/s");
-    // the effect of the spring is a hundred times as large
+    // the effect of the spring is at least fifty times as large
     let without = largest_difference(&found, &by_the_chain(&rod));
     assert!(without > 0.5, "{without}");
 }
 
-/// Linear limit: with an exponent of 1 the solid can be solved in the Laplace domain.
+/// Checks the linear limit: with an exponent of 1 the solid can be solved in the Laplace domain.
 #[test]
 fn its_linear_limit_is_the_zener_rod_of_the_laplace_domain() {
     let series = PronySeries {
@@ -108,15 +110,15 @@ fn its_linear_limit_is_the_zener_rod_of_the_laplace_domain() {
     assert!(model.special_case(&two).is_none());
 }
 
-/// Comparison with central differences over ±1e-5, which are accurate to 1e-4 of the largest
-/// derivative because of the high frequencies of the fronts.
+/// Compares with central differences over ±1e-5; tolerance: with the high frequencies of a front
+/// they are accurate only to 1e-4 of the largest derivative.
 #[test]
 fn derivatives_are_those_of_differences() {
     fn check<L: IdentifiableLaw>(model: &BranchedRod<L>, parameters: &[f64]) {
         driven(2e-3, |rod| {
             let linearised = model.linearised_response(rod, parameters).unwrap();
             let plain = model.response(rod, parameters).unwrap();
-            // the same march except for rounding
+            // tolerance: rounding, because both responses come from the same computation
             assert!(largest_difference(&linearised.velocity, &plain) < 1e-9);
             assert_eq!(linearised.by_parameter.len(), parameters.len());
             let names = model.parameter_names();
@@ -152,9 +154,9 @@ fn derivatives_are_those_of_differences() {
     check(&flat, &[ln(MODULUS), ln(0.5), ln(0.05), 1.8, ln(20.0)]);
 }
 
-/// The modulus of the branches of a flat loss factor against the power law that they represent:
-/// both agree to 1 % from 0.1 to 30 kHz. Without the correction of the first and the last branch
-/// the loss factor would be 5 % too small.
+/// Compares the modulus of the branches of a flat loss factor with the power law that they
+/// represent: both agree to 1 % from 0.1 to 30 kHz. Without the correction of the first and the
+/// last branch the loss factor would be 5 % too small.
 #[test]
 fn a_flat_loss_factor_is_flat() {
     for loss_factor in [1e-3, 0.02, 0.1, 0.3] {
@@ -184,8 +186,8 @@ fn a_flat_loss_factor_is_flat() {
     }
 }
 
-/// Linear limit: without a nonlinear branch the response is that of the law of constant Q in the
-/// Laplace domain, which has no branches.
+/// Checks the linear limit: with a negligible nonlinear branch the response is that of the
+/// constant-Q law, which is solved in the Laplace domain and has no branches.
 #[test]
 fn its_linear_limit_is_the_rod_of_constant_q() {
     let loss_factor = 0.06_f64;
@@ -307,7 +309,8 @@ fn derivatives_by_samples_are_those_of_differences() {
         (model.by_samples(rod, &theta, &places, 0.0), differences)
     });
     for (found, expected) in found.unwrap().iter().zip(&expected.unwrap()) {
-        // differences over 1e-4 of 8 m/s: a relative error of 5e-5 due to the curvature
+        // tolerance: differences over 1e-4 of 8 m/s have a relative error of 5e-5 due to the
+        // curvature
         assert!(largest_difference(found, expected) < 2e-4);
     }
 }

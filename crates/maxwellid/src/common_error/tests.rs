@@ -3,7 +3,7 @@ use faer::{Mat, Side};
 
 use super::*;
 
-/// Five rows and two columns that are not orthogonal.
+/// Two common errors whose columns, of five rows, are not orthogonal.
 fn common() -> (CommonErrors, Vec<Vec<f64>>) {
     let columns = vec![
         vec![3.0, -1.0, 0.5, 0.0, 2.0],
@@ -12,7 +12,7 @@ fn common() -> (CommonErrors, Vec<Vec<f64>>) {
     (CommonErrors::of_columns(columns.clone()), columns)
 }
 
-/// Compares with the Cholesky factorisation of the covariance.
+/// Compares the product of the factors with the Cholesky factorisation of the covariance.
 #[test]
 fn the_factors_are_an_inverse_square_root() {
     let (common, columns) = common();
@@ -36,8 +36,8 @@ fn the_factors_are_an_inverse_square_root() {
     assert!((of_white / of_inverse - 1.0).abs() < 1e-14);
 }
 
-/// A residual proportional to the column of one error; a fraction 1/(1 + |a|²) of it remains,
-/// because of the prior of the error.
+/// Checks the estimate of one error with the column a from a residual proportional to a: its prior
+/// reduces it by the fraction 1/(1 + |a|²), here 1/26.
 #[test]
 fn the_most_likely_errors_are_those_of_least_squares() {
     let column = vec![3.0, 0.0, 4.0];

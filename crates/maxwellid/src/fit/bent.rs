@@ -1,5 +1,5 @@
-//! Intervals at whose ends χ², with renewed weights and excitation, does not rise as the standard
-//! errors imply.
+//! Detection of parameters for which χ², with weights and excitation re-estimated, does not rise as
+//! the standard errors imply.
 
 use super::{Course, Fit, Lowest, value};
 use crate::identifiability::{IDENTIFIED_BELOW, Noise};
@@ -10,24 +10,26 @@ use crate::residual::TestResidual;
 use crate::selection::DISTINCT_VELOCITIES;
 use crate::test::RodTest;
 
-/// Noise of the excitation relative to the impact velocity above which χ² is also evaluated for
-/// other shape parameters. At 0.01 the mean square of the ratio of error to standard error of 200
-/// fits is at most 1.3, which excludes minima that are off by ten standard errors.
+/// Noise of the excitation relative to the impact velocity above which χ² is also evaluated at
+/// distant values of the shape parameters. This is not needed at a noise of 0.01: there the mean
+/// square of error over standard error of 200 fits is at most 1.3, so that none of the minima is
+/// off by many standard errors.
 const NOISY: f64 = 0.015;
 
-/// Changes of a shape parameter, in units of its step limit, at which χ² is evaluated again.
+/// Changes of a shape parameter, in units of its step limit, after which χ² is evaluated again.
 const RIVALS: [f64; 4] = [4.0, 2.0, -2.0, -4.0];
 
 /// Rise of χ² beyond which a value of a shape parameter is excluded: five standard errors.
 const OUT_OF_QUESTION: f64 = 25.0;
 
 impl<M: RodModel> Fit<M> {
-    /// Returns one flag per parameter of a nonlinear law. It is set if the error does not represent
-    /// χ² at the ends of its interval, with weights and excitation renewed there. With one impact
-    /// velocity the excitation may compensate an exponent. Unidentified parameters are not tested.
-    /// With much noise the excitation fitted to a wrong exponent causes a minimum with misleading
-    /// errors. Therefore χ² must then also rise at other values of the shape parameters, by at
-    /// least a quarter of the rise that the error implies.
+    /// Returns one flag per parameter of a nonlinear law. A flag is set if χ² at the ends of the
+    /// interval of the parameter, with weights and excitation re-estimated at each end, does not
+    /// rise as the standard error implies: with one impact velocity a change of the excitation may
+    /// compensate a wrong exponent. Parameters that are not identified are not tested. With much
+    /// noise, the excitation fitted to a wrong exponent can cause a minimum with errors that are
+    /// far too small. Above [`NOISY`], χ² must therefore also rise at the shape parameters changed
+    /// by [`RIVALS`], by at least a quarter of the rise that the error implies.
     pub(super) fn bent(
         &self,
         lowest: &Lowest<'_, M>,
@@ -48,8 +50,8 @@ impl<M: RodModel> Fit<M> {
         };
         let least = value(minimum);
         let rise_at = |index: usize, change: f64| {
-            // the other parameters start unchanged: a search from their optimum may miss the change
-            // due to the renewal
+            // the other parameters start at the minimum: if they started at their optimum for the
+            // changed one, the excitation might not be re-estimated
             let mut start = minimum.parameters.clone();
             if let Some(own) = start.get_mut(index) {
                 *own += change;
@@ -102,7 +104,8 @@ impl<M: RodModel> Fit<M> {
     }
 }
 
-/// Returns true if the fastest impact is distinctly faster than the slowest.
+/// Returns true if the ratio of the highest to the lowest impact velocity is at least
+/// [`DISTINCT_VELOCITIES`].
 fn have_distinct_velocities(tests: &[RodTest]) -> bool {
     let velocities = tests.iter().map(|test| test.impact_velocity);
     let (slowest, fastest) = velocities.fold((f64::INFINITY, 0.0), |(low, high), v| {

@@ -16,8 +16,8 @@ const RATE: f64 = 204_800.0;
 const SAMPLES: u32 = 160;
 const IMPACT_VELOCITY: f64 = 10.0;
 
-/// A test of a short rod of polyamide, so that fine grids cost little, simulated by the chain of
-/// masses, which no fit uses.
+/// A virtual test of a short polyamide rod, for which fine grids are fast, simulated by the chain
+/// of masses, a solver that no fit uses.
 fn rod_test(length: f64, viscosity: f64) -> RodTest {
     let excitation = pulse(SAMPLES, 40.0, 10.0);
     let rod = InelasticRod::new(length, 1140.0, 3.209e9, Maxwell::new(viscosity).unwrap()).unwrap();
@@ -41,9 +41,9 @@ fn short_rod() -> RodTest {
     rod_test(0.15, 4e6)
 }
 
-/// Record at 2 MHz, whose points are closer together than the steps of usual cells: the transfer of
-/// a small change over a few points agrees with the difference of two responses computed on short
-/// cells.
+/// Checks, for a record at 2 MHz whose points are closer together than the time steps of cells of 4
+/// mm, that the transfer of a small change over a few points agrees with the difference of two
+/// responses computed on short cells.
 #[test]
 fn the_transfer_resolves_points_closer_than_a_usual_cell() {
     let rate = 10.0 * RATE;
@@ -89,8 +89,8 @@ fn the_transfer_resolves_points_closer_than_a_usual_cell() {
         .map(|(a, b)| 50.0 * (a - b))
         .collect();
     let off: Vec<f64> = expected.iter().zip(&found).map(|(a, b)| a - b).collect();
-    // columns at every few points and a step of 0.6 points limit the agreement; with cells of 4 mm
-    // half of the small change is lost
+    // tolerance: the time step of 0.6 points limits the agreement; with cells of 4 mm half of the
+    // small change is lost
     let relative = root_mean_square(&off) / root_mean_square(&expected);
     assert!(relative < 0.05, "{relative}");
 }
@@ -108,7 +108,7 @@ fn the_longest_window_is_the_duration() {
     let short = short_rod().with_window(0.2e-3).unwrap();
     let long = short_rod().with_window(0.5e-3).unwrap();
     let last = *long.times().last().unwrap();
-    // exactly equal, because one of two numbers is returned
+    // equal to the last bit, because one of the two durations is returned unchanged
     assert!(duration(&[short.clone(), long]).total_cmp(&last).is_eq());
     assert!(duration(&[short]) < 0.21e-3);
 }
@@ -127,7 +127,7 @@ fn movement_is_in_standard_errors_along_singular_directions() {
         termination: Termination::NoReductionLeft,
     };
     let before = [1.0, 1.0];
-    // rounding of a decomposition of three rows
+    // tolerance: rounding of a decomposition of three rows
     assert!(relative(minimum(vec![1.1, 0.9]).movement(&before), 0.3) < 1e-12);
     assert!(relative(minimum(vec![1.5, 1.0]).movement(&before), 1.0) < 1e-12);
     assert!(minimum(vec![1.0, 1.0]).movement(&before) < 1e-15);
@@ -161,7 +161,7 @@ fn stated_noise_asks_for_its_share_of_accuracy() {
     let fit = maxwell().with_accuracy(1e-2);
     let quiet = short_rod();
     let n = quiet.window as f64;
-    // the least of the three, each exact up to rounding
+    // the smallest of the accuracies of the fit and of the tests; tolerance: rounding
     assert!(relative(fit.requested_accuracy(std::slice::from_ref(&quiet)), 1e-2) < 1e-14);
     let noisy = quiet.clone().with_noise(0.0, 0.05).unwrap();
     let alone = 0.3 * 0.05 / IMPACT_VELOCITY / n.sqrt();
@@ -191,7 +191,8 @@ fn the_difference_of_two_grids_is_the_rms_of_the_worst_test() {
         let found = Fit::grid_difference(&problem, &theta, cell).unwrap();
         assert!(relative(found, of(0, cell).max(of(1, cell))) < 1e-12);
     }
-    // second order: half the cell leaves a quarter, within the terms of fourth order
+    // an error of second order falls to a quarter with half the cell; tolerance: terms of fourth
+    // order
     let ratio = of(0, 8e-3) / of(0, 4e-3);
     assert!((3.2..4.8).contains(&ratio), "{ratio}");
 }
@@ -224,7 +225,8 @@ fn rounding_grows_with_the_samples() {
     assert!(relative(rounding(&problem), 1e-12 * samples) < 1e-14);
 }
 
-/// The start of the second stage, and the difference of two grids there.
+/// Returns the start of the second stage, and the difference of the responses on two grids at this
+/// start.
 fn started(fit: &Fit<Maxwell>, tests: &[RodTest], cell: f64) -> (Vec<f64>, f64) {
     let mut course = Course::default();
     let modulus = tests[0].modulus_from_time_of_flight().unwrap();
@@ -238,8 +240,8 @@ fn started(fit: &Fit<Maxwell>, tests: &[RodTest], cell: f64) -> (Vec<f64>, f64) 
 fn the_grid_is_what_the_accuracy_asks_for() {
     let tests = [short_rod()];
     let (start, difference) = started(&maxwell(), &tests, SCAN_CELL);
-    // an error of second order must fall to 0.6 of the requested accuracy, which requires a third
-    // of the coarse cell here
+    // the grid is chosen for 0.6 of the requested accuracy, a ninth of `difference`: an error of
+    // second order then requires a third of the coarse cell
     let requested = difference / 0.6 / 9.0;
     let fit = maxwell().with_accuracy(requested);
     let mut course = Course::default();
@@ -255,7 +257,7 @@ fn the_grid_is_what_the_accuracy_asks_for() {
 
 #[test]
 fn a_grid_is_refined_until_it_is_fine_enough() {
-    // With noise the first grid is the usual one, whatever the accuracy.
+    // with stated noise the first grid is the default one, whatever the accuracy
     let noisy = || short_rod().with_noise(0.0, 3.0).unwrap();
     let tests = [noisy()];
     let (start, of_usual) = started(&maxwell(), &tests, DEFAULT_CELL);
@@ -265,21 +267,21 @@ fn a_grid_is_refined_until_it_is_fine_enough() {
         let (problem, minimum, difference) = fit.refined(&tests, &start, &mut course).unwrap();
         (problem.cell, minimum, difference, course.flags)
     };
-    // so much noise requires less accuracy than any of the values below
+    // this noise requires less accuracy than any of the values requested below
     assert!(maxwell().requested_accuracy(&tests) > 1.3 * of_usual);
     let near = |a: f64, b: f64| relative(a, b) < 1e-9;
     let (cell, _, difference, flags) = refined(1.3 * of_usual);
     assert!(
         cell.total_cmp(&DEFAULT_CELL).is_eq() && difference <= 1.3 * of_usual && flags.is_empty()
     );
-    // second order: a step halves the difference, so that a third takes two steps and a twelfth
-    // four
+    // each refinement, by 1/√2, halves an error of second order, so that a third requires two
+    // refinements and a twelfth four
     let (cell, _, _, flags) = refined(of_usual / 3.0);
     assert!(near(cell, DEFAULT_CELL / 2.0) && flags.is_empty());
     let (cell, minimum, _, flags) = refined(of_usual / 12.0);
     assert!(near(cell, DEFAULT_CELL / 4.0) && flags.is_empty());
     assert_eq!(minimum.parameters.len(), 2);
-    // no grid reaches an accuracy near rounding, and a flag reports this
+    // no grid reaches an accuracy of 1e-12, and a flag reports this
     let (cell, _, difference, flags) = refined(1e-12);
     assert!(near(cell, SHORTEST_CELL));
     assert_eq!(
@@ -347,12 +349,13 @@ fn the_alternation_ends_where_nothing_moves() {
     for _ in 0..3 {
         at = weighted(&at.parameters).0;
     }
-    // Started at the solution, one round confirms the transfer, and one confirms that nothing
-    // moves: one iteration each.
+    // from the solution two rounds of one iteration each suffice: the first confirms the transfer,
+    // the second that the parameters do not change
     let (again, iterations) = weighted(&at.parameters);
     assert_eq!(iterations, 2);
     assert!(again.movement(&at.parameters) < SETTLED);
-    // From far away the transfer is renewed at the solution, so that the end is the same.
+    // from a distant start the transfer is recomputed near the solution, so that the fit ends at
+    // the same minimum
     let far: Vec<f64> = vec![at.parameters[0] + 0.02, at.parameters[1] + 1.0];
     let (from_afar, _) = weighted(&far);
     let moved = from_afar.movement(&at.parameters);

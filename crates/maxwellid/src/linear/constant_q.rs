@@ -18,7 +18,8 @@ pub(crate) const LOSS_FACTOR: (f64, f64) = (-5.298_317_366_548_036, -std::f64::c
 /// ```
 ///
 /// E is the magnitude of the modulus at the reference frequency ω₀. The parameter is ln tan δ. This
-/// is the law of [`rodwave::modulus::ConstantQ`], and the first reference for a nonlinear law.
+/// is the law of [`rodwave::modulus::ConstantQ`], and the first competitor with which a nonlinear
+/// law is to be compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstantQ {
     reference_omega: f64,

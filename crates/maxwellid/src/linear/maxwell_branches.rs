@@ -14,8 +14,9 @@ use crate::special_case::{Branch, NO_SHARE, PronySeries, SpecialCase, UNRELAXED}
 ///
 /// E is the unrelaxed modulus, which gives the front speed. The spring w₀ may be absent. The shares
 /// follow from x = ln(wᵢ/w_first), which keeps them positive; the parameters are those x, then ln
-/// τ₁ to ln τₙ. (A permutation of branches is the same law.) It is the law of
-/// [`rodwave::modulus::GeneralisedMaxwell`] in coordinates with nearly independent effects.
+/// τ₁ to ln τₙ. (A permutation of branches is the same law.) This is the law of
+/// [`rodwave::modulus::GeneralisedMaxwell`] in coordinates whose effects on a response are nearly
+/// independent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MaxwellBranches {
     branches: usize,
@@ -23,7 +24,7 @@ pub struct MaxwellBranches {
     name: &'static str,
 }
 
-/// Largest number of branches; an evaluation over s then keeps its weights on the stack.
+/// Largest number of branches, for which an evaluation keeps its weights on the stack.
 const MOST: usize = 4;
 
 impl MaxwellBranches {
@@ -102,7 +103,7 @@ impl MaxwellBranches {
     }
 }
 
-/// w from ln(wᵢ/w_first); zero beyond the last.
+/// Shares w from ln(wᵢ/w_first), followed by zeros.
 fn shares(ratios: &[f64]) -> [f64; MOST + 1] {
     let largest = ratios.iter().copied().fold(0.0, f64::max);
     let mut weights = [0.0; MOST + 1];
@@ -140,7 +141,8 @@ impl LinearLaw for MaxwellBranches {
     }
 
     fn start(&self) -> Vec<f64> {
-        // a slow branch with most of the modulus, and weaker ones a decade apart within the record
+        // a spring or a slow branch with most of the modulus, and weaker branches with times a
+        // decade or more apart
         let (slowest, factor) = match (self.has_spring, self.branches) {
             (true, _) => (5e-5, 0.1),
             (false, 1) => (2e-3, 0.1),
@@ -173,8 +175,8 @@ impl LinearLaw for MaxwellBranches {
     }
 
     fn is_flat_loss(&self) -> bool {
-        // two time constants within a decade of frequency suffice; a slow one may replace the
-        // spring
+        // two relaxation times are enough for a nearly constant loss factor over a decade, with a
+        // spring or a third, slow branch
         self.terms() >= 3
     }
 
@@ -215,7 +217,7 @@ impl LinearLaw for MaxwellBranches {
             share: NO_SHARE,
             time: ln_time.exp(),
         }));
-        // slowest first, like the ranges
+        // slowest branch first, as in `ranges`
         branches.sort_by(|a, b| b.time.total_cmp(&a.time));
         let spring = self.has_spring.then_some(series.spring.max(NO_SHARE));
         let shares: Vec<f64> = spring

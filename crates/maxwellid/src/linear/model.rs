@@ -10,8 +10,8 @@ use crate::model::{DrivenRod, LinearisedResponse, RodModel, stated_modulus};
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
-/// Points per sample. The interpolation between samples passes nothing above 0.62 of the sampling
-/// rate, so that two suffice.
+/// Points per sample of the transform. Two suffice, because the interpolation between samples
+/// contains no frequency above 0.62 of the sampling rate.
 const FINER: usize = 2;
 
 /// A rod with a linear law as a [`RodModel`], solved in the Laplace domain; parameters θ = (ln E,
@@ -97,8 +97,8 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         self.law.special_case(series)
     }
 
-    /// Sensitivities: except for E, the parameters of a linear law describe its shape in time,
-    /// which does not depend on length and density.
+    /// Sensitivity to length and density: only that of E is not 0, because the other parameters
+    /// describe the dependence on time alone.
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
         let mut all = vec![SpecimenSensitivity::default(); parameters.len()];
         if let Some(modulus) = all.first_mut() {
@@ -164,7 +164,7 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     }
 }
 
-/// The Laplace line of the excitation of a rod, with its transform there.
+/// The Laplace line of the excitation of a rod, with the transform of the excitation on it.
 fn excitation_of(rod: &DrivenRod<'_>) -> (LaplaceLine, Vec<Complex64>) {
     let rate = FINER as f64 * rod.sampling_rate_hz;
     let points = FINER * rod.samples.len();
@@ -206,8 +206,8 @@ impl<'a> Times<'a> {
         if !times.iter().all(|t| (0.0..=end).contains(t)) {
             return None;
         }
-        // a ten-thousandth of a sample is 1e-4 of the change between samples, and rounding is far
-        // below it
+        // tolerance: 1e-9 of the record, far above rounding and far below the distance of two
+        // samples
         let uniform = |times: &[f64]| {
             let first = times.first()? * rod.sampling_rate_hz;
             let mut each = times.iter().enumerate();
@@ -224,7 +224,7 @@ impl<'a> Times<'a> {
             return Some(Self::Anywhere { times, known });
         };
         let count = times.len() - rest;
-        // rate or samples differ from those of the excitation
+        // here the sampling rate or the samples of the rod differ from those of its excitation
         if first.floor() + count as f64 > known as f64 {
             return None;
         }

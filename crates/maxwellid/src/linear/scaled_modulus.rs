@@ -1,4 +1,4 @@
-//! Laws from any complex modulus.
+//! Laws made from any complex modulus.
 
 use num_complex::Complex64;
 use rodwave::modulus::DifferentiableModulus;
@@ -6,7 +6,7 @@ use rodwave::modulus::DifferentiableModulus;
 use super::LinearLaw;
 use crate::error::{MaxwellidError, check_positive, check_range};
 
-/// A parameter of a modulus to be identified.
+/// A parameter of a modulus that is identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeParameter {
     /// Index among the parameters of the modulus.
@@ -17,8 +17,8 @@ pub struct FreeParameter {
     pub range: (f64, f64),
 }
 
-/// A law of [`rodwave::modulus`], or a user-defined law with its traits, up to a factor that ln E
-/// replaces.
+/// A law of [`rodwave::modulus`], or a user-defined law with the same traits, scaled to the
+/// magnitude E at a reference frequency.
 ///
 /// ```text
 /// E(s)/E = M(s; p)/|M(iω₀; p)|
@@ -32,7 +32,7 @@ pub struct FreeParameter {
 /// use rodwave::modulus::FractionalZener;
 ///
 /// let law = FractionalZener::new(2.0e9, 2.6e9, 1e-4, 0.4)?;
-/// // E₁ - E₀, the time and the exponent are free, E₀ stays
+/// // E₁ - E₀, the time and the exponent are identified, E₀ stays fixed
 /// let scaled = ScaledModulus::new("fractional Zener", law, 25e3, &[
 ///     FreeParameter { index: 1, name: "ln_modulus_increment", range: (0.02e9_f64.ln(), 2e9_f64.ln()) },
 ///     FreeParameter { index: 2, name: "ln_relaxation_time", range: (1e-6_f64.ln(), 1e-2_f64.ln()) },
@@ -51,8 +51,8 @@ pub struct ScaledModulus<M> {
 }
 
 impl<M: DifferentiableModulus> ScaledModulus<M> {
-    /// Creates the law from `law`, whose present parameters are the start of the identification.
-    /// `free` are the parameters to be identified, each with its index and range.
+    /// Creates the scaled law from `law`, whose present parameters are the start of the
+    /// identification. `free` are the parameters to be identified, each with its index and range.
     ///
     /// # Errors
     /// [`MaxwellidError::UnknownParameter`] for an index that the law does not have;

@@ -16,7 +16,8 @@ const WANTED: usize = SAMPLES - SampledHistory::HALF_WIDTH;
 const DENSITY: f64 = 912.0;
 const LENGTH: f64 = 0.394;
 
-/// A pulse of 10 m/s within 12 kHz, then a slow motion that has not ended when the record does.
+/// Samples of an excitation: a pulse of 8 m/s with frequencies up to 12 kHz, then a slow motion of
+/// 1.5 m/s that lasts until the end of the record.
 fn samples() -> Vec<f64> {
     (0..SAMPLES)
         .map(|k| {
@@ -125,8 +126,8 @@ fn laws_are_those_of_rodwave_off_the_axis_too() {
     }
 }
 
-/// Differences of fourth order of the response itself, h = 1e-3: 1e-12 of the fifth derivative and
-/// 1e-12 of rounding, both below 1e-8 of 10 m/s.
+/// Compares the derivatives with fourth-order differences of the response over h = 1e-3, whose
+/// error is about 1e-12 of the fifth derivative.
 fn derivatives_are_those_of_differences(law: impl LinearLaw, of_law: &[f64]) {
     let history = excitation();
     let model = LinearModel::new(law);
@@ -148,7 +149,8 @@ fn derivatives_are_those_of_differences(law: impl LinearLaw, of_law: &[f64]) {
         let scale = column.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
         assert!(scale > 1e-3, "{} {index} has no effect", model.law().name());
         let error = largest_difference(column, &difference);
-        // ln E moves the arrival: its fifth derivative is large, (ωL/2c)^5 = 1e6 of the wave
+        // tolerance: ln E shifts the arrival, so that its fifth derivative is (ωL/2c)^5 = 1e6 times
+        // the response
         let tolerance = if index == 0 { 1e-4 } else { 1e-7 };
         assert!(
             error < tolerance * scale,
@@ -219,7 +221,8 @@ fn a_law_of_rodwave_is_a_competitor_as_it_is() {
     assert!(ScaledModulus::new("none", zener, 0.0, &[]).is_err());
 }
 
-/// Wrap-around from the next period: the response on a period twice as long is the same.
+/// Checks that the wrap-around from the next period is small: with a longer period the response is
+/// the same.
 #[test]
 fn wrap_around_is_below_its_level() {
     let history = excitation();
@@ -231,7 +234,7 @@ fn wrap_around_is_below_its_level() {
     )
     .0;
     // the response does not decay, so that a wrap-around would be visible; the excitation ends at
-    // the same time as on the short period
+    // the same time as with the short period
     let mut long = LaplaceLine::new(8 * SAMPLES, 2.0 * RATE);
     let at = |n: usize| history.at(n as f64 / (2.0 * RATE));
     let mut lines = long.transform(2 * SAMPLES - 1, at);
@@ -242,7 +245,7 @@ fn wrap_around_is_below_its_level() {
     let fine = long.history(&lines, 2 * WANTED);
     let expected: Vec<f64> = fine.iter().step_by(2).copied().collect();
     let difference = largest_difference(&short, &expected);
-    // 1.1e-7 of 16 m/s, and the part of the response that decays as e^{-1e-13 t}
+    // tolerance: ten times the wrap-around of one period, 1.1e-7 of 16 m/s
     assert!(difference < 2e-5, "{difference}");
 }
 
@@ -273,23 +276,25 @@ fn times_between_samples_are_answered_either_way() {
     uneven.insert(0, 0.1 / RATE);
     let (by_shift, by_interpolation) = (at(&shifted).unwrap(), at(&uneven).unwrap());
     let difference = largest_difference(&by_shift[1..], &by_interpolation[1..]);
-    // error of the interpolation between points at twice the sampling rate
+    // tolerance: error of the interpolation between points at twice the sampling rate
     assert!(difference < 1e-4, "{difference}");
-    // times three samples minus a fraction of a sample earlier, so that the first ones are at rest
+    // times earlier by three samples less a fraction of a sample; the first three are set to 0,
+    // when the rod is at rest
     let late: Vec<f64> = times()
         .iter()
         .map(|t| (t - 3.0 / RATE + delay).max(0.0))
         .collect();
     let late = at(&late).unwrap();
     assert_eq!(late[..3], [0.0; 3]);
-    // both are computed from the same lines with the same advance
+    // tolerance: rounding, because both are computed from the same lines with the same advance
     let difference = largest_difference(&late[3..], &by_shift[..by_shift.len() - 3]);
     assert!(difference < 1e-12, "{difference}");
     assert!(at(&[1.0]).is_none());
     assert!(at(&[-1e-6]).is_none());
 }
 
-/// `shape_with_derivatives` returns `None` unless there is one derivative per parameter.
+/// Checks that `shape_with_derivatives` returns `None` unless there is one derivative per
+/// parameter.
 #[test]
 fn derivatives_of_another_number_are_none() {
     let s = Complex64::new(2e3, 1e4);
@@ -322,7 +327,7 @@ fn derivatives_of_another_number_are_none() {
     }
 }
 
-/// A rod whose sampling rate is not that of its excitation has its times far outside the record.
+/// Checks that a rod has no response if its sampling rate is not that of its excitation.
 #[test]
 fn a_rod_that_contradicts_itself_has_no_response() {
     let (samples, excitation) = (samples(), excitation());

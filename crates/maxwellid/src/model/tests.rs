@@ -1,4 +1,4 @@
-//! Inconsistent models: they are reported before they are used, and never panic.
+//! Tests of inconsistent models, which are reported as errors before they are used.
 
 use super::*;
 use crate::catalogue::Law;
@@ -206,7 +206,7 @@ fn models_that_contradict_themselves_are_named() {
     }
 }
 
-/// Responses of another length than requested count as missing.
+/// Checks that a response of another length than requested is treated as missing.
 #[test]
 fn responses_of_another_length_count_as_none() {
     for fault in [
@@ -234,7 +234,7 @@ fn responses_of_another_length_count_as_none() {
     );
 }
 
-/// Estimates come from the user and may belong to another law.
+/// Checks that estimates with another number of parameters than the law are refused.
 #[test]
 fn estimates_of_another_law_are_refused() {
     let tests = [virtual_test()];
@@ -266,7 +266,7 @@ fn estimates_of_another_law_are_refused() {
     }
 }
 
-/// Fields of a comparison are public: the selected law may no longer be among the laws.
+/// Checks a comparison whose public field `decision` was set to a law that is not among its laws.
 #[test]
 fn a_comparison_without_its_laws_names_none() {
     let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();

@@ -1,4 +1,4 @@
-//! Profiles that an uncertain specimen widens.
+//! Profiles widened by the uncertainty of the specimen.
 
 use super::{Profile, ProfilePoint, THRESHOLD};
 use crate::identifiability::Verdict;
@@ -10,10 +10,11 @@ const FINER: u32 = 64;
 impl Profile {
     /// Adds the error due to an uncertain specimen to the profile.
     ///
-    /// The parameter is θ + gδ with the profile PL(θ) of the data, the sensitivity g and a relative
-    /// error δ of known standard deviation. Elimination of δ gives the minimum of PL(y) + (θ -
-    /// y)²/u² over y, with u the standard error due to the specimen. An end of the interval is the
-    /// outermost y ± u (3.84 - PL(y))^(1/2).
+    /// The true parameter is y + gδ, where y has the profile PL(y) of the data, g is the
+    /// sensitivity and δ a relative error of known standard deviation. Elimination of δ gives the
+    /// profile of the parameter θ: the minimum of PL(y) + (θ - y)²/u² over y, with u the standard
+    /// error due to the specimen. An end of the interval is the outermost y ± u (3.84 -
+    /// PL(y))^(1/2).
     #[must_use]
     pub fn with_specimen_uncertainty(&self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -38,7 +39,7 @@ impl Profile {
                     let off = (value - y) / error;
                     (rise + off * off, 2.0 * off / error)
                 });
-                // the derivative of the minimum is the derivative with y held at the minimum
+                // the derivative of the minimum over y is the derivative at constant y
                 let (rise, slope) = each
                     .min_by(|a, b| a.0.total_cmp(&b.0))
                     .unwrap_or((f64::INFINITY, f64::NAN));
@@ -59,8 +60,8 @@ impl Profile {
         }
     }
 
-    /// The curve with intermediate points (θ_j, PL - χ²_min), 64 per interval, by the cubic through
-    /// the values and derivatives at both neighbours: exact for a linear problem.
+    /// The curve as points (θ_j, PL - χ²_min), with 64 points per interval between two points of
+    /// the profile, by the cubic with their values and derivatives: exact for a linear problem.
     #[must_use]
     pub fn smooth_curve(&self) -> Vec<(f64, f64)> {
         let mut fine: Vec<(f64, f64)> = self
@@ -98,7 +99,8 @@ mod tests {
     use super::*;
     use crate::specimen::SpecimenSensitivity;
 
-    /// A linear problem: PL = ((θ - 3)/s)², and the errors of data and specimen add as squares.
+    /// Checks that in a linear problem, PL = ((θ - 3)/s)², the errors of data and specimen add as
+    /// squares.
     #[test]
     fn the_profile_of_a_linear_problem_widens_as_its_errors_add() {
         let (value, data, by_specimen) = (3.0, 0.02, 0.05);
@@ -126,16 +128,17 @@ mod tests {
         let wide = profile.with_specimen_uncertainty(&specimen);
         let expected = THRESHOLD.sqrt() * data.hypot(by_specimen);
         for (at, found) in profile.smooth_curve() {
-            // a parabola, to the rounding of values up to 50
+            // a parabola; tolerance: rounding of values up to 6 by the cubic
             assert!((found - rise(at)).abs() < 1e-10, "{at} {found}");
         }
-        // ends are searched on 64 points per fifth of the interval: the maximum is flat
+        // tolerance: an end is the maximum over 64 points per tenth of the interval, and a maximum
+        // is flat
         assert!((wide.upper.unwrap() - value - expected).abs() < 1e-5);
         assert!((value - wide.lower.unwrap() - expected).abs() < 1e-5);
         for point in &wide.curve {
             let off = (point.value - value) / data.hypot(by_specimen);
             assert!((point.rise - off * off).abs() < 1e-3, "{point:?}");
-            // the minimum is searched on 64 points per fifth of the interval
+            // tolerance: the minimum is found on 64 points per tenth of the interval
             let slope = 2.0 * off / data.hypot(by_specimen);
             assert!((point.slope - slope).abs() < 0.2, "{point:?} {slope}");
         }

@@ -6,13 +6,13 @@ use faer::{Accum, Mat, Par, Side};
 
 use crate::recorder::filter::Observation;
 
-/// Correlation of the steps at the two points between which a contact begins: they are two parts of
-/// one step. Without correlation the estimate rings, and with one step only the front lies on a
-/// point: for impacts given in closed form the root mean square of error over standard error is 7
-/// without correlation, 2.4 with one step, and 0.8 with this correlation.
+/// Correlation of the steps at the two points between which a contact begins, which are parts of
+/// one step. Without correlation the estimate rings; with a single step a front could begin only at
+/// a point of the grid. For impacts given in closed form the root mean square of error over
+/// standard error is 7 without correlation, 2.4 with a single step, and 0.8 with this correlation.
 const OF_ONE_STEP: f64 = 0.8;
 
-/// Returns the covariance of the two steps, in h², times two numbers.
+/// Multiplies two numbers by the covariance matrix of the two steps, in units of h².
 pub(super) fn in_step([first, second]: [f64; 2]) -> [f64; 2] {
     [first + OF_ONE_STEP * second, OF_ONE_STEP * first + second]
 }
@@ -20,7 +20,7 @@ pub(super) fn in_step([first, second]: [f64; 2]) -> [f64; 2] {
 /// The parameters of the prior.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Contact<'a> {
-    /// First point of the grid that moves.
+    /// First point of the grid at which the rod moves.
     pub(super) begin: usize,
     /// e^{-1/τ}, τ in points.
     pub(super) memory: f64,
@@ -42,7 +42,7 @@ impl Contact<'_> {
         Contact { factors, ..self }
     }
 
-    /// Points from which the variance of the changes differs from that of the point before, with
+    /// Points at which the variance of the changes differs from that at the previous point, with
     /// the difference.
     fn differences(&self) -> Vec<(usize, f64)> {
         let mut before = 0.0;
@@ -55,7 +55,7 @@ impl Contact<'_> {
         differences.filter(|(_, by)| by.abs() > 0.0).collect()
     }
 
-    /// Returns B w: the velocity that results from a change w of each point.
+    /// Returns B w, the velocity that results from the changes w at all points.
     pub(super) fn moved(&self, changes: impl Iterator<Item = f64>) -> Vec<f64> {
         let (mut sum, mut delayed) = (0.0, 0.0);
         changes
@@ -87,7 +87,7 @@ impl Contact<'_> {
         back
     }
 
-    /// Returns D w: the covariance of the changes times a history.
+    /// Returns D times `values`, with the covariance D of the changes.
     pub(super) fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
         let at = |point: usize| value_at(&values, point);
         let steps = in_step([at(self.begin), at(self.begin + 1)]);
@@ -130,7 +130,8 @@ impl Contact<'_> {
         Some(self.mean_by(&factor, &shown, record, points))
     }
 
-    /// Returns Σ Gᵀ K⁻¹ v_e.
+    /// Returns Σ Gᵀ K⁻¹ v_e, with the Cholesky factor of K and the symbols of
+    /// [`super::unfiltered`].
     fn mean_by(&self, factor: &Llt<f64>, shown: &Shown, record: &[f64], points: usize) -> Vec<f64> {
         let solved = factor.solve(&Mat::from_fn(record.len(), 1, |i, _| value_at(record, i)));
         let mut back = vec![0.0; points];
@@ -156,7 +157,7 @@ impl Contact<'_> {
         let shown = Shown::of(self.memory, (points, record.len()), seen);
         let factor = shown.covariance(self, (0, noise)).llt(Side::Lower).ok()?;
         let mean = self.mean_by(&factor, &shown, record, points);
-        // earlier samples contain nothing of the excitation; V has rows for the others only
+        // samples before this one contain only noise, and V has no rows for them
         let shows = |sample: &usize| shown.point(*sample) >= first;
         let from = (0..record.len()).find(shows).unwrap_or(record.len());
         // Σ Gᵀ, a column for each sample
@@ -186,7 +187,7 @@ impl Contact<'_> {
         }
     }
 
-    /// Adds the part of the lower half of Σ at the points from `first` on, times `weight`.
+    /// Adds `weight` times Σ at the points from `first` on to the lower half of `covariance`.
     fn add_prior(&self, covariance: &mut Mat<f64>, first: usize, weight: f64) {
         let moving = self.counted_from(first);
         let points = covariance.nrows();
@@ -215,8 +216,8 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    /// Computes the response for a memory e^{-1/τ}, over `points` points after the step and for
-    /// `samples` samples.
+    /// Computes the response for `memory` e^{-1/τ}, over `points` points after the step, and its
+    /// products for lags up to `samples` samples.
     pub(super) fn of(memory: f64, (points, samples): (usize, usize), seen: &Observation) -> Self {
         let step = seen.of_step(memory, points);
         let every = seen.every();
@@ -244,7 +245,7 @@ impl Shown {
         sample * self.every + self.lead
     }
 
-    /// Response at this number of points after a step.
+    /// Response `since` points after a step.
     fn at(&self, since: usize) -> f64 {
         let count = self.newest_first.len();
         let place = count.checked_sub(since + 1);
@@ -267,7 +268,8 @@ impl Shown {
         (from, noise): (usize, &Mat<f64>),
     ) -> Mat<f64> {
         let count = noise.nrows();
-        // points from the beginning of the contact to the latest one that affects a sample
+        // number of points from the beginning of the contact to the latest point that affects a
+        // sample
         let since = |i: usize| self.point(from + i).checked_sub(contact.begin);
         let steps = |since: Option<usize>| {
             let at = |since: Option<usize>| since.map_or(0.0, |since| self.at(since));
@@ -301,8 +303,8 @@ impl Shown {
     }
 }
 
-/// Mean of the excitation over `contacts` with their probabilities, from the `means` given each
-/// contact.
+/// Mean of the excitation over `contacts`, weighted by their probabilities, from the conditional
+/// `means` for each contact.
 pub(super) fn mixed_mean(contacts: &[(f64, Contact<'_>)], means: &[Vec<f64>]) -> Vec<f64> {
     let mut sum = vec![0.0; means.first().map_or(0, Vec::len)];
     for ((weight, _), own) in contacts.iter().zip(means) {
@@ -312,9 +314,9 @@ pub(super) fn mixed_mean(contacts: &[(f64, Contact<'_>)], means: &[Vec<f64>]) ->
     sum
 }
 
-/// Mean and covariance at `points` points over `contacts` with their probabilities: P = Σ p (P_i +
-/// (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i. For a contact, `given` returns the result of
-/// [`Contact::given`], from the point on that is its second argument.
+/// Mean and covariance of the excitation at `points` points over `contacts` with their
+/// probabilities: u = Σ p_i u_i and P = Σ p_i (P_i + (u_i - u)(u_i - u)ᵀ). `given` calls
+/// [`Contact::given`] for a contact and the first point.
 pub(super) fn mixed(
     contacts: &[(f64, Contact<'_>)],
     points: usize,
@@ -347,7 +349,7 @@ pub(super) fn mixed(
     Some((mean, covariance))
 }
 
-/// Adds the lower half of `factor` · Vᵀ V.
+/// Adds the lower half of `factor` · Vᵀ V, where V has these `rows`.
 fn add_to_lower(lower: &mut Mat<f64>, factor: f64, rows: &Mat<f64>) {
     triangular::matmul(
         lower.as_mut(),

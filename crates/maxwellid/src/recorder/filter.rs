@@ -29,7 +29,7 @@ enum Kind {
 /// use maxwellid::num_complex::Complex64;
 /// use maxwellid::recorder::RecorderFilter;
 ///
-/// // a filter of second order without overshoot, 12 kHz
+/// // a critically damped filter of second order, 12 kHz
 /// let filter = RecorderFilter::new("two poles at 12 kHz", 12e3, |f| {
 ///     (Complex64::ONE + Complex64::I * f / 12e3).powi(-2)
 /// })?;
@@ -56,7 +56,7 @@ impl fmt::Debug for RecorderFilter {
 /// Largest gain of a filter at four times its cut-off.
 const STOPPED: f64 = 0.25;
 
-/// Deviation of the gain at frequency 0 from 1 that counts as rounding.
+/// Largest deviation of the gain at frequency 0 from 1 that is accepted as rounding.
 const UNIT_GAIN: f64 = 1e-6;
 
 impl RecorderFilter {
@@ -176,8 +176,8 @@ fn check_cutoff(cutoff_hz: f64) -> Result<(), MaxwellidError> {
     })
 }
 
-/// Number of points of the transform of a response, which must contain an impulse response of some
-/// hundred points and its ringing.
+/// Number of points of the transform that gives an impulse response, which has some hundred points
+/// with its ringing.
 const POINTS: usize = 8192;
 
 /// Part of the sum of magnitudes of an impulse response that is cut off at either end.
@@ -186,8 +186,8 @@ const CUT_OFF: f64 = 1e-5;
 /// Share of half of the rate from which a response fades to zero.
 const FADES_FROM: f64 = 0.6;
 
-/// Gain at a share of half of the rate: a response that is cut off abruptly there would ring
-/// without end.
+/// Gain at a frequency given as a share of half of the rate. An abrupt end of the response at half
+/// of the rate would cause long ringing.
 fn fading(share: f64) -> f64 {
     let beyond = ((share - FADES_FROM) / (1.0 - FADES_FROM)).clamp(0.0, 1.0);
     0.5 + 0.5 * (std::f64::consts::PI * beyond).cos()
@@ -201,7 +201,7 @@ fn impulse_response(response: &dyn Fn(f64) -> Complex64, rate_hz: f64) -> Observ
         *line = fading(share) * response(0.5 * rate_hz * share);
     }
     let circular = fourier.inverse();
-    // times from -POINTS/2 on
+    // the first value is now that at the time -POINTS/2
     circular.rotate_right(POINTS / 2);
     Observation::of(circular, POINTS / 2)
 }
@@ -249,8 +249,8 @@ impl Observation {
         }
     }
 
-    /// A kernel whose time 0 is at `origin`, cut where less than [`CUT_OFF`] remains, with unit
-    /// gain at frequency 0.
+    /// Creates the observation with a `kernel` whose time 0 is at `origin`, without the ends that
+    /// are less than [`CUT_OFF`] of it, and with unit gain at frequency 0.
     fn of(kernel: &[f64], origin: usize) -> Self {
         let total: f64 = kernel.iter().map(|g| g.abs()).sum();
         let cut = |magnitudes: &mut dyn Iterator<Item = &f64>| {
@@ -304,7 +304,7 @@ impl Observation {
         }
     }
 
-    /// Delay of the filter at frequency 0, in points, 0 for a filter that looks ahead further.
+    /// Delay of the filter at frequency 0, in points; 0 if it is negative.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -316,8 +316,8 @@ impl Observation {
         (moment - self.lead as f64).round().max(0.0) as usize
     }
 
-    /// Returns the filtered history 1 - `memory`^(n + 1) of the points n from 0 on, starting at
-    /// point -lead.
+    /// Returns the first `count` points of the filtered history 1 - `memory`^(n + 1), n >= 0,
+    /// starting at point -lead.
     pub(crate) fn of_step(&self, memory: f64, count: usize) -> Vec<f64> {
         let (mut sum, mut rest) = (0.0, 0.0);
         let kernel = self.kernel.iter().copied().chain(std::iter::repeat(0.0));
@@ -337,7 +337,7 @@ impl Observation {
     }
 
     /// Returns the samples of `history`, which is at rest before its first point; [`Self::points`]
-    /// is the length of the history for a number of samples.
+    /// is the length of history that a number of samples needs.
     pub(crate) fn of_history(&self, history: &[f64]) -> Vec<f64> {
         let count = match history.len().checked_sub(1 + self.lead) {
             Some(points) => points / self.every + 1,
@@ -345,7 +345,7 @@ impl Observation {
         };
         (0..count)
             .map(|sample| {
-                // lag l is at point `now + lead - l`
+                // entry l of the kernel belongs to the point `newest - l`
                 let newest = sample * self.every + self.lead;
                 let known = history.get(..=newest).unwrap_or(history);
                 let count = known.len().min(self.kernel.len());
@@ -356,7 +356,7 @@ impl Observation {
             .collect()
     }
 
-    /// Returns G P Gᵀ of a covariance P of points.
+    /// Returns the covariance G P Gᵀ of the samples for a covariance P of the points.
     pub(crate) fn of_covariance(&self, covariance: &Mat<f64>) -> Mat<f64> {
         let columns = 0..covariance.ncols();
         let rows: Vec<Vec<f64>> = columns
@@ -378,8 +378,8 @@ impl Observation {
         })
     }
 
-    /// Returns this filter followed by a symmetric filter with the weights `taps` at the samples,
-    /// of which only every `keep`-th sample is kept.
+    /// Returns this filter followed by a symmetric filter of the samples with the weights `taps`,
+    /// after which every `keep`-th sample is kept.
     pub(crate) fn followed_by(&self, taps: &[f64], keep: usize) -> Self {
         let reach = taps.len() / 2;
         let mut kernel = vec![0.0; self.kernel.len() + (taps.len().max(1) - 1) * self.every];
@@ -420,8 +420,8 @@ mod tests {
         .unwrap()
     }
 
-    /// Gain and phase at `frequency` of an observation, by the samples of a cosine and a sine away
-    /// from the ends.
+    /// Gain and phase of an observation at `frequency`, from one sample of a filtered cosine and of
+    /// a filtered sine, away from the ends.
     fn measured(observation: &Observation, frequency: f64) -> Complex64 {
         let history = |phase: f64| -> Vec<f64> {
             (0..6000)
@@ -440,20 +440,21 @@ mod tests {
         for frequency in [500.0, 4e3, 10e3] {
             let expected = (Complex64::ONE + Complex64::I * frequency / 5e3).powi(-2);
             let found = measured(&two_poles(5e3).observation(RATE, 4), frequency);
-            // parts of 1e-5 are cut at either end of the impulse response
+            // tolerance: 1e-5 of the impulse response is cut off at either end
             assert!(
                 (found - expected).norm() < 1e-4,
                 "{frequency}: {found} {expected}"
             );
             let found = measured(&linear_phase(16e3).observation(RATE, 4), frequency);
-            // the pass band of the recorder is flat to 1e-4
+            // tolerance: the pass band of the recorder is flat to 1e-4
             assert!((found - 1.0).norm() < 3e-4, "{frequency}: {found}");
         }
         let stopped = measured(&linear_phase(16e3).observation(RATE, 4), 21e3);
         assert!(stopped.norm() < 3e-4, "{stopped}");
     }
 
-    /// A moving mean of three samples: gain (1 + 2 cos ωT)/3.
+    /// Checks the product of gains with a moving mean of three samples, whose gain is (1 + 2 cos
+    /// ωT)/3.
     #[test]
     fn two_filters_in_turn_have_the_product_of_their_gains() {
         let mean = [1.0 / 3.0; 3];
@@ -465,7 +466,7 @@ mod tests {
                 let turn = std::f64::consts::TAU * frequency * 4.0 / RATE;
                 let expected = measured(&one, frequency) * (1.0 + 2.0 * turn.cos()) / 3.0;
                 let found = measured(&both, frequency);
-                // both are sums of the same terms
+                // tolerance: rounding, because both are sums of the same terms
                 assert!((found - expected).norm() < 1e-12, "{found} {expected}");
             }
         }
@@ -473,7 +474,7 @@ mod tests {
         let weaker = two_poles(5e3).followed_by(gain).observation(RATE, 4);
         let expected = measured(&two_poles(5e3).observation(RATE, 4), 4e3) * gain(4e3);
         assert!((measured(&weaker, 4e3) - expected).norm() < 1e-4);
-        // the ringing of a fading filter is short
+        // the ringing of a response that fades to zero is short
         assert!(two_poles(16e3).observation(RATE, 4).lead() < 60);
     }
 

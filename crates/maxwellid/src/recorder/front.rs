@@ -1,36 +1,36 @@
-//! Onset, time constant and variance of the contact, from the front of a record.
+//! Onset and time constant of the contact, and variance of the changes, from the front of a record.
 
 use faer::{Mat, Side};
 
 use crate::recorder::contact::{Contact, Shown, value_at};
 use crate::recorder::filter::Observation;
 
-/// Number of samples after the half height for which a front is followed: its rise and the ringing
-/// of the filter.
+/// Number of samples after the half height that are used as the front: its rise and the ringing of
+/// the filter.
 const AFTER: usize = 64;
 
-/// Samples of rest before the earliest start of the contact.
+/// Number of samples at rest that are used before the earliest start of the contact.
 const BEFORE: usize = 12;
 
-/// Samples by which the contact may begin before the record leaves its noise.
+/// Number of samples by which the contact may begin before the record rises above its noise.
 const EARLIER: usize = 4;
 
-/// Standard deviations of the noise above which a sample belongs to the rise.
+/// Number of standard deviations of the noise above which a sample belongs to the rise.
 const ABOVE_NOISE: f64 = 3.0;
 
 /// Time constants of the contact that are tried, in points.
 const TIME_CONSTANTS: [f64; 7] = [0.25, 0.5, 1.0, 1.5, 2.5, 4.0, 8.0];
 
-/// Powers of two of the variances of a change that are tried.
+/// Exponents of the powers of two by which the variance of the changes is multiplied in a round.
 const OCTAVES: std::ops::RangeInclusive<i32> = -10..=3;
 
-/// Rounds over beginning, time constant and variance.
+/// Largest number of rounds; each searches over onset, variance and time constant in turn.
 const ROUNDS: usize = 4;
 
 /// Largest number of contacts in the mixture: the estimate for each takes a tenth of a second.
 const MOST_CONTACTS: usize = 16;
 
-/// Probability relative to that of the most likely contact below which a contact is left out.
+/// Probability relative to that of the most likely contact below which a contact is omitted.
 const LEAST_WEIGHT: f64 = 0.01;
 
 /// The part of a record about its front, from which the prior is found.
@@ -145,7 +145,7 @@ impl<'a> Front<'a> {
         self.begins = points * first.saturating_sub(1)..points * (last + 2);
         let (_, best) = coarse.first()?;
         let longest = TIME_CONSTANTS.into_iter().next_back()?;
-        // the contacts are the same, and their time constants are longer in points of this grid
+        // in points of the finer grid the time constants of the coarse contacts are longer
         let longer = [2.0, 4.0].map(|factor| factor * longest);
         let constants = TIME_CONSTANTS.into_iter().chain(longer);
         Some(self.likely_of(best.on_finer_grid(points), constants))
@@ -184,7 +184,7 @@ impl<'a> Front<'a> {
         all
     }
 
-    /// The response of the samples to a contact of this memory.
+    /// The response of the samples to a contact with this `memory`.
     fn shown(&self, memory: f64) -> Shown {
         let earliest = self.begins.start;
         let last = (self.from + self.record.len()) * self.seen.every() + self.seen.lead();

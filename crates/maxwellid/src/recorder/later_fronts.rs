@@ -1,17 +1,17 @@
 //! Variance of the changes of an excitation at its later fronts.
 //!
 //! The variance q of the prior is that of the changes near the first front. Waves that return from
-//! the free end, and the end of the contact, change the velocity more abruptly than this part may
-//! show. With its variance the estimate smooths such a front, and the error is far above the stated
-//! one: for an impact given in closed form whose wave returns outside that part, the mean square of
-//! error over standard error was 180.
+//! the free end, and the end of the contact, may change the velocity more abruptly. With the
+//! variance of the first front, the estimate smooths such a later front, and its error is far above
+//! the stated standard error: for an impact given in closed form with a returning wave, the mean
+//! square of error over standard error is 180.
 //!
 //! The innovations z = L⁻¹ v_e of the record, K = L Lᵀ, are standard normal numbers if the prior
 //! is right (Mehra, *IEEE Trans. Autom. Control* **15** (1970) 175). Where the mean of z² over a
-//! part of the record exceeds 1 by three of its standard errors, the variance of the changes there
-//! is multiplied by this mean, and K is computed again, until all parts agree or the variance is
-//! that of a step as high as the record. The variance is never reduced: elsewhere the prior is that
-//! of the first front.
+//! part of the record exceeds 1 by three of its standard errors, the variance of the changes in
+//! this part is multiplied by this mean, and K is computed again, until no part exceeds the limit
+//! or the variance is that of a step as high as the record. The variance is never reduced below
+//! that of the first front.
 
 use faer::{Mat, Side};
 
@@ -21,11 +21,11 @@ use crate::recorder::filter::Observation;
 /// Number of samples in a part: a front rises within two to four samples.
 const PART: usize = 4;
 
-/// Samples to either side of a part whose innovations count, so that a front at the border of two
-/// parts raises both.
+/// Number of samples to either side of a part that are included in its mean, so that a front at the
+/// border of two parts raises both.
 const ABOUT: usize = 2;
 
-/// Standard errors by which the mean square must exceed 1.
+/// Number of standard errors by which the mean square must exceed 1.
 const ABOVE_CHANCE: f64 = 3.0;
 
 /// Largest number of times that a variance is raised; two or three suffice.
@@ -70,8 +70,8 @@ impl LaterFronts {
         Some(found)
     }
 
-    /// Raises the factors where the innovations require it, to `most` at most; returns true if it has
-    /// raised one.
+    /// Raises the factors where the innovations require it, to `most` at most; returns true if it
+    /// has raised one.
     fn raise(&mut self, innovations: &[f64], most: f64) -> bool {
         let mut is_raised = false;
         for (part, factor) in self.of_parts.iter_mut().enumerate() {
@@ -88,8 +88,9 @@ impl LaterFronts {
         is_raised
     }
 
-    /// Factors at the points of the grid of `seen`. A point belongs to the part of the sample that
-    /// shows it, later by the delay of the filter; points after the last part have the factor 1.
+    /// Factors at the points of the grid of `seen`. A point belongs to the part that contains its
+    /// sample, which is later by the delay of the filter; points after the last part have the
+    /// factor 1.
     pub(super) fn at_points(&self, points: usize, seen: &Observation) -> Vec<f64> {
         let part = |point: usize| (point + seen.delay()) / seen.every() / PART;
         (0..points)
@@ -102,9 +103,9 @@ impl LaterFronts {
 mod tests {
     use super::*;
 
-    /// Innovations of size 1 raise nothing. Three of size 10 raise the parts within two samples of
-    /// them, by the mean of the squares: (300 + 5)/8, and (200 + 6)/8 or (100 + 7)/8 where the part
-    /// is next to two or one of them.
+    /// Checks that innovations of size 1 raise no factor, and that three of size 10 raise the parts
+    /// within two samples of them to the mean square over eight samples: (300 + 5)/8 in their own
+    /// part, (200 + 6)/8 and (100 + 7)/8 in the parts before and after it.
     #[test]
     fn a_front_raises_the_parts_about_it() {
         let flat = || LaterFronts {
@@ -118,13 +119,13 @@ mod tests {
         let mut raised = flat();
         assert!(raised.raise(&innovations, 40.0));
         let expected = [1.0, 206.0 / 8.0, 305.0 / 8.0, 107.0 / 8.0, 1.0];
-        // two points per sample, no delay; the last two points are after the last part
+        // two points per sample and no delay, so that the last two points are after the last part
         let at_points = raised.at_points(42, &Observation::direct(2));
         for (point, found) in at_points.iter().enumerate() {
             let of_part = expected.get(point / 8).unwrap_or(&1.0);
             assert!((found - of_part).abs() < 1e-12, "{point} {found}");
         }
-        // the second time the third part reaches the limit
+        // the second call raises the factor of the third part to its limit
         assert!(raised.raise(&innovations, 40.0));
         assert!((raised.of_parts[2] - 40.0).abs() < 1e-12);
         raised.raise(&innovations, 40.0);

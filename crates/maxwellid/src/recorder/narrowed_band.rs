@@ -1,22 +1,22 @@
 //! Sensitivity of an estimate to the upper part of the band of its recorder.
 //!
 //! The bias of a nonlinear law due to a filter, see [`RecorderCheck`](super::RecorderCheck), grows
-//! as the band narrows. Both histories pass a further zero-phase low-pass filter, at [`KEPT`] of
-//! the cut-off, and the law is fitted to them again. If only noise is lost, the estimate does not
-//! change: with an efficient estimate on the whole band the variance of the difference is the
-//! difference of the variances (Hausman, *Econometrica* **46** (1978) 1251)
+//! as the band narrows. Here both histories pass a further zero-phase low-pass filter, at [`KEPT`]
+//! of the cut-off, and the law is fitted to them again. If this filter removes only noise, the two
+//! estimates differ only by chance. If the estimate on the whole band is efficient, the variance of
+//! the difference is the difference of the variances (Hausman, *Econometrica* **46** (1978) 1251):
 //!
 //! ```text
 //! z = (θ_n - θ) / √(σ_n² - σ²)
 //! ```
 //!
 //! # Validity
-//! σ_n² - σ² is taken as at least [`LEAST_SHARE`]² σ², so that a difference within the error of the
-//! estimate itself raises no alarm. A parameter whose error on the narrower band exceeds
-//! [`IDENTIFIED_BELOW`] is left out. The test does not detect the loss beyond the cut-off itself,
+//! σ_n² - σ² is replaced by [`LEAST_SHARE`]² σ² if it is smaller, so that a difference within the
+//! error of the estimate itself raises no alarm. A parameter whose error on the narrower band
+//! exceeds [`IDENTIFIED_BELOW`] is omitted. The test does not detect the loss above the cut-off,
 //! only the loss between [`KEPT`] of the cut-off and the cut-off. Half of the band would be too
 //! narrow: for a pulse rounded by 30 us the exponent of a Norton rod then falls by three standard
-//! errors, although the whole band loses nothing.
+//! errors, although the whole band contains all of the signal.
 //!
 //! Theory: `docs/theory/identification.md#bias-due-to-the-recorders-filter`.
 
@@ -132,8 +132,9 @@ impl std::fmt::Display for NarrowedBand {
 
 impl<M: RodModel + Clone> Fit<M> {
     /// Fits the model to `tests` on [`KEPT`] of their band, starting from `found`, and compares the
-    /// estimates. `cutoffs_hz` are those of the recorders \[Hz\], `None` if not known or part of
-    /// the model; the narrower band becomes part of the model if the recorder is.
+    /// estimates. `cutoffs_hz` are the cut-offs of the recorders of the tests \[Hz\], `None` for a
+    /// recorder that is part of the model or whose cut-off is not known. If the recorder is part of
+    /// the model, the further filter becomes part of it too.
     ///
     /// # Errors
     /// The errors of [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise;
@@ -245,7 +246,7 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
         response: of_history(&noise.response),
     })?;
     let narrow = match test.unfiltered_excitation() {
-        // the filter of the recorder and this one, combined
+        // the filter of the recorder followed by this one
         Some(unfiltered) => {
             let seen = unfiltered.observations();
             let seen = seen.map(|seen| seen.followed_by(&taps, keep));
@@ -253,7 +254,7 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
         }
         None => narrow,
     };
-    // nothing is compared after the end of a given window or after a clipped sample
+    // the window still ends at the requested end or at a clipped sample
     let window = (test.window.saturating_sub(1) / keep + 1)
         .min(kept.saturating_sub(SampledHistory::HALF_WIDTH));
     Ok(RodTest {
@@ -263,15 +264,15 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
     })
 }
 
-/// Windowed sinc (Hamming): gain 1 at frequency 0, a half at `share` of the sampling rate, and less
-/// than 0.3 % from [`STOP`] times that share on.
+/// Weights of a windowed sinc (Hamming): gain 1 at frequency 0, a half at the fraction `share` of
+/// the sampling rate, and less than 0.3 % above [`STOP`] times this frequency.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a share is at least 1e-9 or so; some hundred taps"
 )]
 fn taps(share: f64) -> Vec<f64> {
-    // the transition band of the window is 3.3 over the number of taps
+    // the width of the transition band is 3.3 times the sampling rate over the number of taps
     let reach = (0.5 * 3.3 / (2.0 * (STOP - 1.0) * share)).ceil() as usize;
     let raw: Vec<f64> = (0..=2 * reach)
         .map(|j| {
@@ -331,10 +332,11 @@ mod tests {
         for share in [0.07, 0.2, 0.7 / 2.56] {
             let taps = taps(share);
             assert!((gain(&taps, 0.0) - 1.0).abs() < 1e-12);
-            // a half at the cut-off, for a window that is narrow compared with the band
+            // tolerance: the gain at the cut-off is a half only for a window that is narrow
+            // compared with the band
             assert!((gain(&taps, share) - 0.5).abs() < 5e-3, "{share}");
-            // side lobes of a Hamming window: -53 dB; where the transition begins they add up to
-            // twice that
+            // tolerance: the side lobes of a Hamming window are at -53 dB, and add up to twice this
+            // at the edge of the pass band
             for k in 0..200 {
                 let beyond = STOP * share + (0.5 - STOP * share) * f64::from(k) / 200.0;
                 assert!(gain(&taps, beyond).abs() < 3e-3, "{share} {beyond}");
@@ -344,8 +346,9 @@ mod tests {
         }
     }
 
-    /// The autocovariance after the filter is the transform of |gain|² times the density of the
-    /// noise, by the trapezoidal rule over a period, which is exact for it.
+    /// Compares the autocovariance after the filter with the transform of |gain|² times the
+    /// spectral density of the noise, by the trapezoidal rule over a period, which is exact for a
+    /// trigonometric polynomial.
     #[test]
     fn r02_noise_behind_the_filter_is_that_of_its_spectrum() {
         let noise = HistoryNoise::Coloured {
@@ -390,13 +393,13 @@ mod tests {
                 },
             ],
         };
-        // errors in the ratio 3, 4, 5; two parameters: at a level of 0.01 each has a probability of
-        // 0.005 outside ±2.807
+        // errors of 0.03 and 0.05 give a standard error of 0.04 of the difference; with two
+        // parameters a level of 0.01 leaves each a probability of 0.005, outside ±2.807
         assert!((band(0.04, 0.03, 0.05).differences[0].z() - 1.0).abs() < 1e-12);
         assert!(band(-0.04 * 2.82, 0.03, 0.05).is_sensitive(1));
         assert!(!band(-0.04 * 2.80, 0.03, 0.05).is_sensitive(1));
         assert!(!band(-0.04 * 2.82, 0.03, 0.05).is_sensitive(2));
-        // nothing but noise is lost
+        // equal errors: the standard error of the difference is that of the estimate
         assert!((band(0.03, 0.03, 0.03).differences[0].z() - 1.0).abs() < 1e-12);
         let said = band(-0.4, 0.03, 0.05).to_string();
         assert!(

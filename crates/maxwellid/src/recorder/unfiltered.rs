@@ -1,43 +1,42 @@
 //! The excitation of a rod before the filter of its recorder.
 //!
 //! # Problem
-//! The record of the excitation u is v_e = G u + e, with filter and sampler G and noise e. A
-//! nonlinear rod must be driven by u: its dissipation depends on the full stress of a front, which
-//! G reduces.
+//! The record of the excitation u is v_e = G u + e, where G filters and samples u, and e is noise.
+//! A nonlinear rod must be driven by u, because its dissipation depends on the full stress of a
+//! front, which G reduces.
 //!
 //! # Method
-//! u is estimated on a grid of [`FINER`] points per sample, with a normal prior: at rest until the
-//! contact, then a step of unknown height and the integral of a white noise, both smoothed by a
-//! contact of time constant τ,
+//! The excitation u is estimated on a grid of [`FINER`] points per sample, with a normal prior: u
+//! is zero until the contact begins, then a step of unknown height plus the integral of a white
+//! noise, both smoothed by a contact of time constant τ,
 //!
 //! ```text
 //! u = B w ,    B(t) = 1 - e^{-t/τ} ,    var w = D = q I + h² (1 0.8; 0.8 1) at the first two points .
 //! ```
 //!
-//! The prior assumes one impact and bounded forces, but no striker or pulse shape. Given the
-//! record, u is normal with
+//! The prior assumes one impact and bounded forces, but no particular striker or pulse shape. Given
+//! the record, u is normally distributed with
 //!
 //! ```text
 //! mean u₁ = Σ Gᵀ K⁻¹ v_e ,    covariance P = Σ - Σ Gᵀ K⁻¹ G Σ ,    Σ = B D Bᵀ ,  K = G Σ Gᵀ + C_e .
 //! ```
 //!
-//! h is the largest value of the record. The contact begins between two points; the step heights at
-//! these points have a correlation of 0.8. The onset of the contact, τ and q maximise the
-//! likelihood of the record about its front, ln N(v_e; 0, K); mean and covariance are those of the
-//! mixture over other onsets and τ with their likelihoods. Where the record changes more abruptly
-//! than q permits, q is larger: at waves that return from the free end, and at the end of the
-//! contact. The response of any law is computed for
-//! the excitation u, filtered and sampled by the same G, and its covariance contains P, that is the
-//! noise of the record and the unresolved part of the front (see [`crate::whitening`]). Without a
-//! filter and without a prior this is the covariance of the noise alone.
+//! C_e is the covariance of e, and h the largest value of the record. The contact begins between
+//! two points of the grid; the step heights at these points have a correlation of 0.8. The onset of
+//! the contact, τ and q maximise the likelihood of the record about its front, ln N(v_e; 0, K); the
+//! mean and covariance used are those of the mixture over all likely onsets and τ, weighted by
+//! their likelihoods. Where the record changes more abruptly than q permits, as at waves that
+//! return from the free end and at the end of the contact, q is increased. The response of a law is
+//! computed for the excitation u, then filtered and sampled by the same G. The covariance of the
+//! residual contains P, which represents the noise of the record and the unresolved part of the
+//! front (see [`crate::whitening`]).
 //!
-//! A linear rod commutes with the filter. It is driven by G u at twice the sampling rate, and its
-//! response needs no filter.
+//! A linear rod commutes with the filter. It is driven by the filtered excitation at twice the
+//! sampling rate, and its response is not filtered again.
 //!
 //! # Validity
-//! Both histories pass the same filter. At the end of the contact and at a returning wave the
-//! excitation follows the record. Above the band of the record the prior determines the shape of a
-//! front, within the stated standard error.
+//! Both histories must have passed the same filter. Above the cut-off of the filter the prior alone
+//! determines the shape of a front; the standard error of the excitation includes this uncertainty.
 //!
 //! Theory: `docs/theory/identification.md#the-recorder-as-part-of-the-model`.
 
@@ -57,16 +56,16 @@ use crate::recorder::later_fronts::LaterFronts;
 use crate::test::{RodTest, half_rise};
 use crate::whitening::{mirrored_spectrum, toeplitz};
 
-/// Points of the grid of the excitation per sample of the record. With eight the estimates of a
-/// Norton rod differ by less than a twentieth of their standard errors.
+/// Points of the grid of the excitation per sample of the record. With eight points instead, the
+/// estimates for a Norton rod change by less than a twentieth of their standard errors.
 const FINER: usize = 4;
 
-/// Number of points of a still finer grid for each point of the fine grid. The difference of a
-/// front on the two grids is the error of the coarser one.
+/// Number of points of a still finer grid for each point of the fine grid. The difference of the
+/// responses on the two grids shows the error of the coarser one.
 const STILL_FINER: usize = 4;
 
-/// Points per sample at which a linear rod is driven; the filter passes no frequency above those
-/// that this grid resolves.
+/// Points per sample of the excitation of a linear rod, which resolve all frequencies that the
+/// filter passes.
 const OF_LINEAR_ROD: usize = 2;
 
 /// Largest number of samples of a record whose recorder is part of the model.
@@ -75,8 +74,9 @@ pub const LONGEST_RECORD: usize = 750;
 /// Largest number of points of the grid: their covariance takes 70 MB.
 const MOST_POINTS: usize = LONGEST_RECORD * FINER;
 
-/// White noise of the grid and of its interpolation relative to the largest sample; without it, the
-/// covariance of a record without noise would be singular.
+/// Standard deviation of white noise that represents the errors of the grid and of the
+/// interpolation, relative to the largest sample; without it, the covariance of a record without
+/// noise would be singular.
 const ROUNDING: f64 = 1e-4;
 
 /// The excitation of a test before the filter of its recorder, as the record and the prior
@@ -85,15 +85,15 @@ const ROUNDING: f64 = 1e-4;
 pub struct UnfilteredExcitation {
     filter: RecorderFilter,
     contact: Contact<'static>,
-    /// Drive of a nonlinear rod: u itself.
+    /// Drive of a nonlinear rod, the excitation u.
     drive: Drive,
-    /// Drive of a linear rod: G u.
+    /// Drive of a linear rod, the filtered excitation.
     of_linear_rod: Drive,
     finer: FinerFront,
 }
 
 /// The excitation on its grid and on a still finer one. The change of the response of a nonlinear
-/// rod shows the effect of a front between two points.
+/// rod between the two shows the effect of a front that begins between two points.
 #[derive(Debug, Clone)]
 pub(crate) struct FinerFront {
     coarse: OnGrid,
@@ -126,7 +126,7 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
-    /// Times \[s\] at which the response is needed for `samples` samples of it.
+    /// Times \[s\] at which the response is needed to compute `samples` filtered samples.
     pub(crate) fn times(&self, samples: usize) -> Vec<f64> {
         (0..self.seen.points(samples))
             .map(|point| point as f64 / self.rate_hz)
@@ -205,8 +205,8 @@ impl UnfilteredExcitation {
         }
     }
 
-    /// The observation of a nonlinear rod from the grid of the excitation, and from the still
-    /// finer one.
+    /// Filter and sampler of the response of a nonlinear rod, for the grid of the excitation and
+    /// for the still finer one.
     pub(crate) fn observations(&self) -> [&Observation; 2] {
         [&self.finer.coarse.seen, &self.finer.fine.seen]
     }
@@ -245,8 +245,8 @@ impl UnfilteredExcitation {
         self.contact.begin as f64 / self.drive.rate_hz
     }
 
-    /// Share of the excitation above the cut-off of the recorder, as the ratio of the root mean
-    /// squares. The filter removed most of it; the prior and the rest of the record supply it.
+    /// Share of the estimated excitation above the cut-off of the recorder, as the ratio of the
+    /// root mean squares. The filter removed most of this part, so that it depends on the prior.
     #[must_use]
     pub fn share_above_cutoff(&self) -> f64 {
         let silence = HistoryNoise::White {
@@ -284,8 +284,8 @@ impl fmt::Display for UnfilteredExcitation {
 }
 
 impl FinerFront {
-    /// Estimates the excitation of a `record` on the finer grid; `likely` are its contacts on the
-    /// coarser grid, and `mean` is its excitation there.
+    /// Estimates the excitation of a `record` on the finer grid; `likely` and `mean` are its
+    /// contacts and its excitation on the coarser grid.
     fn of(
         record: &[f64],
         (noise, half_rise, later): (&Mat<f64>, f64, &LaterFronts),
@@ -305,8 +305,8 @@ impl FinerFront {
         })
     }
 
-    /// Response of `rod` as the recorder shows it in the window of a test, on the finer grid minus
-    /// that on the other [m/s], both delayed by `delay` \[s\]; `None` if the model does not exist.
+    /// Filtered response of `rod` in the window of a test, delayed by `delay` \[s\]: that on the
+    /// finer grid minus that on the coarser one [m/s]; `None` if the model does not exist.
     pub(crate) fn difference<M: RodModel + ?Sized>(
         &self,
         model: (&M, &[f64]),
@@ -320,7 +320,7 @@ impl FinerFront {
 }
 
 impl OnGrid {
-    /// An excitation with the points per sample of `seen`, of a record sampled at `rate_hz`.
+    /// Creates the excitation `mean` on the grid of `seen`, for a record sampled at `rate_hz`.
     fn of(mean: Vec<f64>, rate_hz: f64, seen: &Observation) -> Option<Self> {
         let rate_hz = rate_hz * seen.every() as f64;
         Some(Self {
@@ -331,7 +331,8 @@ impl OnGrid {
         })
     }
 
-    /// Response of `rod`, delayed by `delay` \[s\], in this many samples of its record [m/s].
+    /// The first `samples` samples of the filtered response of `rod` [m/s], delayed by `delay`
+    /// \[s\].
     fn response<M: RodModel + ?Sized>(
         &self,
         (model, parameters): (&M, &[f64]),
@@ -351,7 +352,7 @@ impl OnGrid {
     }
 }
 
-/// Contacts with their probabilities, and with factors of q at the points of their grid.
+/// Sets the factors of q at the points of the grid in all `likely` contacts.
 fn with_factors<'a>(
     likely: Vec<(f64, Contact<'static>)>,
     factors: &'a [f64],
@@ -388,7 +389,7 @@ impl RodTest {
         }
         let noise = self.noise.as_ref().map(|noise| &noise.excitation);
         let observation = |finer: usize| match noise {
-            // the displacement was filtered, sampled, and differentiated
+            // the recorder filtered the displacement, whose samples were then differentiated
             Some(HistoryNoise::Differentiated {
                 differentiator,
                 rate_hz,
@@ -405,8 +406,9 @@ impl RodTest {
         self.seen_through(filter, observations)
     }
 
-    /// Returns the test with a filter. The `observations` are the filter at [`FINER`] points per
-    /// sample or a multiple, and at [`STILL_FINER`] times as many.
+    /// Returns the test with a filter. The `observations` are the filter on the grid of the
+    /// excitation, with a multiple of [`FINER`] points per sample, and on a grid with
+    /// [`STILL_FINER`] times as many.
     pub(crate) fn seen_through(
         self,
         filter: &RecorderFilter,
@@ -491,8 +493,8 @@ mod tests {
         10.0 * ((-since / 60e-6).exp() - (-since / 8e-6).exp())
     }
 
-    /// The conditional mean and covariance of normal numbers, by the partitioned matrix of w and
-    /// v_e: the precision of w is D⁻¹ + Aᵀ C_e⁻¹ A.
+    /// Compares mean and covariance with those from the precision matrix of w given v_e, D⁻¹ + Aᵀ
+    /// C_e⁻¹ A with A = G B.
     #[test]
     fn mean_and_covariance_are_those_of_the_normal_equations() {
         let seen = two_poles().observation(4.0 * RATE, 4);
@@ -525,7 +527,7 @@ mod tests {
         });
         assert!((own[(0, 0)] - 3.8).abs() < 1e-15 && (own[(0, 1)] - 2.4).abs() < 1e-15);
         assert!((own[(2, 2)] - 0.8).abs() < 1e-15 && own[(2, 1)].abs() < 1e-15);
-        // the points with a larger variance are 20 to 28 of the grid; the matrix begins at point 9
+        // points 20 to 28 of the grid have a larger variance, and the matrix begins at point 9
         assert!([11, 19].iter().all(|k| (own[(*k, *k)] - 4.0).abs() < 1e-15));
         assert!([10, 20].iter().all(|k| (own[(*k, *k)] - 0.8).abs() < 1e-15));
         let factor = own.llt(Side::Lower).unwrap();
@@ -543,7 +545,7 @@ mod tests {
         let of_w = factor.solve(Mat::<f64>::identity(moving, moving));
         for point in 0..points {
             let expected: f64 = (0..moving).map(|i| w[(i, 0)] * moves[i][point]).sum();
-            // two solutions of a system with a condition number of 1e5
+            // tolerance: rounding of two solutions of a system with a condition number of 1e5
             assert!((mean[point] - expected).abs() < 1e-9, "{point}");
             for other in 0..points {
                 let expected: f64 = (0..moving)
@@ -553,7 +555,7 @@ mod tests {
                 assert!((covariance[(point, other)] - expected).abs() < 1e-9);
             }
         }
-        // two moments of a mixture: E(u uᵀ) is the mean of those of its parts
+        // E(u uᵀ) of a mixture is the mean of those of its parts
         let later = Contact {
             begin: 11,
             memory: 0.7,
@@ -595,9 +597,8 @@ mod tests {
         .unwrap()
     }
 
-    /// The response of two poles to an impact, by the closed form of its three exponentials. The
-    /// estimate is the impact itself within its standard errors, above all at the front, of which
-    /// the record shows little.
+    /// Checks that the impact is estimated within its standard errors about the front, of which the
+    /// record shows little. The records are the closed-form response of a filter with two poles.
     #[test]
     fn a_blow_is_found_within_its_standard_errors() {
         let (mut squares, mut count) = (0.0, 0.0);
@@ -624,19 +625,20 @@ mod tests {
                 squares += (off / error.max(NOISE)).powi(2);
                 count += 1.0;
             }
-            // of 1/((1 + iω 60 us)(1 + iω 8 us)) a quarter (root mean square) lies above 16 kHz
+            // a quarter of the spectrum 1/((1 + iω 60 us)(1 + iω 8 us)), as root mean square, is
+            // above 16 kHz
             assert!((0.1..0.6).contains(&found.share_above_cutoff()), "{found}");
         }
-        // the errors of one record are not independent; there are twenty records
+        // expected: 1; tolerance: the errors within each of the twenty records are not independent
         let mean: f64 = squares / count;
         assert!((0.2..1.5).contains(&mean), "{mean}");
     }
 
-    /// A wave that returns 80 samples after a smooth impact of half its height, and rises seven
-    /// times as fast: the part of the record from which q follows does not show it. The drive of a
-    /// linear rod is the filtered excitation within its standard errors, by the closed form of its
-    /// exponentials. With the variance of the impact alone, the mean square of error over standard
-    /// error is 180, and the drive is 2.3 m/s off.
+    /// Checks that the drive of a linear rod is estimated within its standard errors at a wave that
+    /// returns 80 samples after a smooth impact of half its height and rises seven times as fast,
+    /// and that is outside the part of the record from which q follows. The records have a closed
+    /// form. With the variance q everywhere, the mean square of error over standard error is 180,
+    /// and the drive is off by 2.3 m/s.
     #[test]
     fn a_returning_wave_is_found_within_its_standard_errors() {
         let (mut squares, mut count) = (0.0, 0.0);
@@ -661,7 +663,7 @@ mod tests {
                 count += 1.0;
             }
         }
-        // the errors of one record are not independent; there are ten records
+        // expected: 1; tolerance: the errors within each of the ten records are not independent
         let mean: f64 = squares / count;
         assert!((0.3..2.0).contains(&mean), "{mean}");
     }

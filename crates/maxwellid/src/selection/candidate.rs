@@ -14,9 +14,9 @@ use crate::special_case::SpecialCase;
 /// A model that takes part in a [`Selection`](super::Selection), with the prior of its parameters.
 ///
 /// # Prior
-/// Each parameter is normal and independent of the others, with a range of ±2 standard deviations.
-/// A range is not a hard bound: the linear limits κ = 1 and σ_ref/m = 0 are within it, and an
-/// estimate outside is penalised. ln E has a standard deviation of
+/// Each parameter is normally distributed and independent of the others; its range is ±2 standard
+/// deviations. A range is not a hard bound: an estimate outside is only less probable. The linear
+/// limits κ = 1 and σ_ref/m = 0 are within the ranges. ln E has a standard deviation of
 /// [`Candidate::LN_MODULUS_DEVIATION`] about the value from the time of flight.
 #[derive(Debug, Clone)]
 pub struct Candidate {
@@ -54,8 +54,8 @@ impl Candidate {
     /// Creates a candidate from a law of the catalogue, with its model, its
     /// [prior ranges](Law#prior-ranges) and equal weight.
     ///
-    /// The Maxwell law is one linear branch, solved in the Laplace domain: its parameters are not
-    /// those of [`Law::Maxwell`] in a fit.
+    /// [`Law::Maxwell`] becomes one linear branch, solved in the Laplace domain, whose parameters
+    /// are not those of a [`crate::Fit`] of this law.
     #[must_use]
     pub fn of(law: Law) -> Self {
         match law {
@@ -71,7 +71,7 @@ impl Candidate {
         Self::of_entry(law.entry().clone(), Some(law))
     }
 
-    /// Creates a candidate from a linear law, with its own ranges.
+    /// Creates a candidate from a linear law, with the ranges that the law states.
     #[must_use]
     pub fn linear(law: impl LinearLaw + 'static) -> Self {
         Self::of_entry(Entry::linear(law), None)
@@ -152,7 +152,7 @@ impl Candidate {
 
     /// Makes the rates and relaxation times of the candidate thermally activated: its parameters
     /// are those at `reference_temperature` \[K\], followed by an activation energy of 20 to 300
-    /// kJ/mol. A law without rates and times, such as that of constant Q, stays as it is.
+    /// kJ/mol. A law without rates and times, such as that of constant Q, is returned unchanged.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the temperature is finite and above 0.
@@ -181,15 +181,16 @@ impl Candidate {
         Ok(Self { weight, ..self })
     }
 
-    /// Returns all laws of the catalogue: the elastic rod, the three laws of paper D, and their
+    /// Returns the laws of [`Law::STANDARD`]: the elastic rod, the three laws of paper D, and their
     /// linear competitors.
     #[must_use]
     pub fn standard() -> Vec<Self> {
         Law::STANDARD.map(Self::of).to_vec()
     }
 
-    /// Returns the nonlinear laws with an equilibrium, which contain those of [`Self::standard`]:
-    /// candidates to [add](super::Selection::with_further) if a nonlinear law is in question.
+    /// Returns the nonlinear laws with an equilibrium, which contain the nonlinear laws of
+    /// [`Self::standard`] as special cases. [Add](super::Selection::with_further) them to compare
+    /// them where a nonlinear law is in question.
     #[must_use]
     pub fn with_equilibrium() -> Vec<Self> {
         Law::WITH_EQUILIBRIUM.map(Self::of).to_vec()
@@ -201,7 +202,7 @@ impl Candidate {
         self.model.name()
     }
 
-    /// The law of the catalogue that this candidate has; `None` for any other model.
+    /// The law of the catalogue from which this candidate was created; `None` for any other model.
     #[must_use]
     pub fn law(&self) -> Option<Law> {
         self.law
@@ -213,8 +214,8 @@ impl Candidate {
         &self.model
     }
 
-    /// Returns the parameters at which this candidate is `special` at its `parameters`, with the
-    /// limit in words; `None` if this candidate does not contain `special`.
+    /// Returns the parameters at which this candidate equals the candidate `special` with
+    /// `parameters`, and the limit in words; `None` if this candidate does not contain `special`.
     #[must_use]
     pub fn at_limit(&self, special: &Self, parameters: &[f64]) -> Option<SpecialCase> {
         let branch = self.law.and_then(Law::of_branch);
@@ -306,7 +307,8 @@ impl Candidate {
     pub(crate) fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
         let mut starts = self.model.starts(modulus, duration);
         if self.model.is_linear() {
-            // a linear law has one start; its prior gives further ones, one parameter at a time
+            // a linear law has one start; further ones follow from its prior by changes of one
+            // parameter at a time
             let Prior { mean, deviation } = self.prior(modulus, duration);
             let first = starts.first().cloned().unwrap_or_default();
             let prior = mean.iter().zip(&deviation);

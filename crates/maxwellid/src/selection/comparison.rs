@@ -18,7 +18,7 @@ pub struct Comparison {
     pub advice: Vec<Advice>,
     /// Sum of the probabilities of the nonlinear candidates.
     pub nonlinear_probability: f64,
-    /// Number of independent samples.
+    /// Number of independent samples: the number of samples divided by `inflation`.
     pub effective_samples: f64,
     /// Samples per independent sample: 1 + 2 Σ ρ_l of the whitened residual of the best candidate.
     pub inflation: f64,
@@ -124,7 +124,7 @@ pub struct ComparedLaw {
     pub ln_evidence: f64,
     /// Standard error of ln Z.
     pub ln_evidence_error: f64,
-    /// Posterior probability; all sum to one.
+    /// Posterior probability; the probabilities of all laws sum to one.
     pub probability: f64,
     /// Number of parameters that the data determine better than the prior.
     pub determined: f64,
@@ -133,14 +133,15 @@ pub struct ComparedLaw {
     /// True if χ² no longer changes when the excitation is estimated again. Laws for which it still
     /// changes are not compared.
     pub is_settled: bool,
-    /// Limits of this law that the data do not exclude at 95 %, the simplest first.
+    /// Special cases of this law that the data do not exclude at 95 %, the simplest first.
     pub limits: Vec<Limit>,
     pub(super) weight: f64,
 }
 
 impl ComparedLaw {
-    /// Name of the law, with its simplest non-excluded limit, such as `two Maxwell branches, of
-    /// which one has an unbounded relaxation time, which is the law Zener`.
+    /// Name of the law, followed by its simplest special case that is not excluded, if any, such as
+    /// `two Maxwell branches, of which one has an unbounded relaxation time, which is the law
+    /// Zener`.
     #[must_use]
     pub fn with_limit(&self) -> String {
         match self.limits.first() {

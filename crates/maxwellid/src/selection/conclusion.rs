@@ -1,4 +1,4 @@
-//! Evidence of each candidate for one level and correlation of the noise, and the resulting
+//! Evidence of each candidate, for the same level and correlation of the noise, and the resulting
 //! comparison.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -12,18 +12,18 @@ use super::{
 use crate::error::MaxwellidError;
 use crate::test::RodTest;
 
-/// Limits of the sufficient error of ln Z.
+/// Limits between which the sufficient standard error of ln Z is chosen.
 const SUFFICIENT: (f64, f64) = (0.1, 0.5);
 
-/// Relative change of level and correlation of the noise up to which the values found before are
-/// used for all candidates: an error of a third of a unit in ln Z, common to all.
+/// Relative change of level and correlation of the noise up to which the previous values are used
+/// for all candidates. The resulting error of ln Z is about a third, the same for all candidates.
 const SAME_NOISE: f64 = 1e-3;
 
-/// The fit of a candidate for one level and correlation of the noise, with its evidence where that
-/// was computed.
+/// The fit of a candidate for one level and correlation of the noise, with its evidence if that was
+/// computed.
 #[derive(Debug, Clone)]
 pub(super) struct Weighed {
-    /// Factor of the standard deviations, and of χ² for correlation.
+    /// Factor on the standard deviations of the noise, and divisor of χ² for correlation.
     noise: [f64; 2],
     probable: Posterior,
     /// ln Z by Laplace's method.
@@ -32,9 +32,9 @@ pub(super) struct Weighed {
 }
 
 impl Selection {
-    /// The comparison from the results for each candidate. `weighed` contains the fits and
-    /// evidences of earlier candidates, which stay valid as long as the noise is the same; those of
-    /// all candidates replace them.
+    /// Returns the comparison from the results `found` for each candidate. `weighed` contains fits
+    /// and evidences from a previous comparison of some candidates, which are reused if the noise
+    /// is the same; afterwards it contains those of all candidates.
     pub(super) fn concluded(
         &self,
         tests: &[RodTest],
@@ -54,9 +54,10 @@ impl Selection {
             (scale, inflation) = (known_scale, known_inflation);
         }
         let effective_samples = samples as f64 / inflation;
-        // with fewer independent samples or another noise the priors have more weight
+        // with fewer independent samples or more noise the residuals have less weight relative to
+        // the priors
         let weight = 1.0 / (scale * inflation.sqrt());
-        // the argument is χ² in units of the assumed noise
+        // the argument is χ² divided by `scale`² and by `inflation`
         let ln_likelihood =
             |chi_square: f64| self.ln_likelihood(chi_square * scale * scale, effective_samples);
         let priors: Vec<Prior> = self
@@ -85,7 +86,7 @@ impl Selection {
             if known.is_none() {
                 let rough = roughly(found);
                 let is_new = (weight - 1.0).abs() > 1e-12;
-                // a law that is already excluded is not fitted again
+                // a law that is excluded already is not fitted again
                 let again = is_new && rough >= rough_best - BEYOND_COMPARISON;
                 let probable = if again {
                     contest.near_fit(&found.probable)?
@@ -174,8 +175,9 @@ impl Selection {
     }
 }
 
-/// Sufficient error of ln Z for a law with this `laplace` among `all`: a tenth of its distance from
-/// the best, or of the distance of the best from the next, within limits.
+/// Standard error of ln Z that is sufficient for a law whose ln Z by Laplace's method is `laplace`,
+/// among `all` laws: within [`SUFFICIENT`], a tenth of the distance of the law from the best one,
+/// or of the distance of the best one from the second if that is larger.
 fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
     let mut sorted = all.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -185,7 +187,7 @@ fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
     (0.1 * distance).clamp(SUFFICIENT.0, SUFFICIENT.1)
 }
 
-/// Special cases of each law that the data do not distinguish from it, those with the fewest
+/// Special cases of each law that the data do not distinguish from the law, those with the fewest
 /// parameters first. The standard deviation of the noise is `scale` times the assumed one.
 fn limits(candidates: &[&Candidate], laws: &[ComparedLaw], scale: f64) -> Vec<Vec<Limit>> {
     candidates

@@ -1,4 +1,4 @@
-//! Verdict from the probabilities, with its advice.
+//! Verdict on the law, with reasons for doubt and advice.
 
 use std::fmt;
 
@@ -42,7 +42,7 @@ pub enum Doubt {
         required: f64,
     },
     /// A nonlinear law leads, but all tests have one impact velocity, and a linear law with a flat
-    /// loss explains the data as well.
+    /// loss also explains the data.
     #[error(
         "a nonlinear law is the most probable, but a linear law of flat loss also explains the data, which are from one impact velocity (adequacy {adequacy:.3})"
     )]

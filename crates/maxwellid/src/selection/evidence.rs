@@ -2,16 +2,17 @@
 //!
 //! Laplace's method approximates L π by a normal density about its maximum. This fails if the data
 //! bound a parameter on one side only, such as a relaxation time that is too long to be visible:
-//! beyond the bound only the prior remains. Here the normal is only the start of a proposal. Along
-//! the columns of its Cholesky factor the proposal is a product of t distributions with four
-//! degrees of freedom and separate scales on either side (Geweke, *Econometrica* **57** (1989)
-//! 1317), so that its tails are heavier than those of L π. If that does not suffice, each further
-//! batch of points is drawn from t distributions about the point of greatest weight, along the axes
-//! of Laplace's covariance at that point: there L π is largest relative to all previous proposals
-//! (Hoogerheide, Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154). Every point is
-//! weighted against the mixture of all proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.*
-//! **39** (2012) 798). The points are those of an additive recurrence: they are not random, and do
-//! not depend on the order of tests and candidates.
+//! beyond the bound L π follows the prior. Here the normal density only provides the axes of the
+//! first proposal: along the columns of its Cholesky factor the proposal is a product of t
+//! distributions with four degrees of freedom and separate scales on either side (Geweke,
+//! *Econometrica* **57** (1989) 1317), so that its tails are heavier than those of L π. If the
+//! error of ln Z is still too large, each further batch of points is drawn from t distributions
+//! about the point of greatest weight, along the axes of Laplace's covariance at that point, where
+//! L π is largest relative to all previous proposals (Hoogerheide, Kaashoek & van Dijk, *J.
+//! Econometrics* **139** (2007) 154). Every point is weighted against the mixture of all proposals
+//! (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.* **39** (2012) 798). The points are those of an
+//! additive recurrence: they are not random, and do not depend on the order of tests and
+//! candidates.
 
 use crate::least_squares::{LeastSquares, ScaledDecomposition, sum_of_squares};
 use crate::parallel::map_in_order;
@@ -21,40 +22,41 @@ use crate::selection::posterior::{Posterior, PosteriorProblem};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Evidence {
     pub(crate) ln: f64,
-    /// Standard error of ln Z, as if the points were random.
+    /// Standard error of ln Z, computed as for random points.
     pub(crate) error: f64,
 }
 
-/// Number of points of the first attempt; each further attempt doubles it.
+/// Number of points of each batch.
 const FEWEST_POINTS: usize = 64;
-/// Number of points of the first attempt for a linear law with more than [`FEW_AXES`] parameters:
-/// its response costs little, and its shares and times are correlated.
+/// Number of points of each batch for a linear law with more than [`FEW_AXES`] parameters: its
+/// response is computed fast, and its shares and times are correlated.
 const FEWEST_POINTS_LINEAR: usize = 512;
-/// Number of parameters up to which a linear law has no more points than others.
+/// Number of parameters up to which a linear law has as many points as other laws.
 const FEW_AXES: usize = 2;
-/// Number of points of the last attempt.
+/// Total number of points at which the sampling ends in any case.
 const MOST_POINTS: usize = 4096;
 
-/// Distances along an axis, in standard deviations of the normal, at which the scale of the
-/// proposal is found.
+/// Distances along an axis, in standard deviations of the normal density, from which the scale of
+/// the proposal is computed.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];
 
-/// Number of points, in descending order of weight, at which a further proposal is tried.
+/// Largest number of points, in descending order of weight, that are tried as the centre of a
+/// further proposal.
 const MOST_TRIED: usize = 4;
 
 /// Step along a ridge, in standard deviations.
 const RIDGE_STEP: f64 = 3.0;
 
 /// Fall of ln(L π) from the centre at which a ridge ends. A normal density falls by ½·3² = 4.5 in
-/// the first step, so that only ridges outside the normal density are followed.
+/// the first step, so that a ridge exists only where L π falls more slowly.
 const RIDGE_DROP: f64 = 3.0;
 const MOST_RIDGE_STEPS: usize = 6;
 
-/// Smallest and largest scale, in standard deviations of the normal.
+/// Smallest and largest scale, in standard deviations of the normal density.
 const SCALES: (f64, f64) = (0.2, 8.0);
 
-/// The logarithm of likelihood times prior about the most probable parameters, in coordinates of
-/// standard deviations of the normal.
+/// The logarithm of likelihood times prior about the most probable parameters, in coordinates in
+/// which Laplace's normal density has unit covariance.
 struct Integrand<'a> {
     problem: &'a PosteriorProblem<'a>,
     ln_likelihood: &'a (dyn Fn(f64) -> f64 + Sync),
@@ -87,10 +89,10 @@ impl Integrand<'_> {
         (self.ln_likelihood)(sum_of_squares(of_data)) - 0.5 * sum_of_squares(of_prior)
     }
 
-    /// Proposals along ridges outside the normal, from the centre to either side of each parameter.
-    /// A ridge advances by steps of [`RIDGE_STEP`] standard deviations of Laplace's method at the
-    /// last point, with the other parameters at their minimum, while ln(L π) falls by less
-    /// than [`RIDGE_DROP`].
+    /// Proposals along ridges, where L π falls more slowly than the normal density: from the centre
+    /// to either side of each parameter. A ridge advances in steps of [`RIDGE_STEP`] standard
+    /// deviations of Laplace's method at its last point, with the other parameters at their
+    /// minimum, as long as ln(L π) is less than [`RIDGE_DROP`] below its value at the centre.
     fn ridges(&self) -> Vec<Proposal> {
         let axes = self.centre.len();
         let top = self.at(&vec![0.0; axes]);
@@ -112,8 +114,8 @@ impl Integrand<'_> {
         of_sides.into_iter().flatten().collect()
     }
 
-    /// The proposal one step further, about the minimum of the linearised problem on the plane
-    /// where the parameter `axis` is constant.
+    /// The proposal one step further on a ridge, about the minimum of the linearised problem for a
+    /// constant parameter `axis`.
     fn next_on_ridge(&self, last: &Proposal, axis: usize, sign: f64) -> Option<Proposal> {
         let along = last.covariances(axis)?;
         let variance = along.get(axis)?;
@@ -152,7 +154,7 @@ impl Integrand<'_> {
         });
         let mut scales = vec![[SCALES.0; 2]; axes];
         for ((axis, at), drop) in places.iter().zip(drops) {
-            // a normal density of this scale drops by the same amount
+            // scale of a normal density that drops by the same amount
             let scale = at.abs() / (2.0 * drop.max(1e-9)).sqrt();
             if let Some([below, above]) = scales.get_mut(*axis) {
                 let side = if *at < 0.0 { below } else { above };
@@ -163,9 +165,10 @@ impl Integrand<'_> {
     }
 }
 
-/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ², and `sufficient`
-/// the standard error of ln Z that suffices, computed as if the points were random: evenly spread
-/// points have at most a third of this error. `None` if the covariance is not positive definite.
+/// Computes ln Z about the most probable parameters. `ln_likelihood` is a function of χ²;
+/// `sufficient` is the standard error of ln Z below which the sampling ends. The error is computed
+/// as for random points; evenly spread points have at most a third of it. `None` if the covariance
+/// is not positive definite.
 pub(crate) fn evidence(
     problem: &PosteriorProblem<'_>,
     probable: &Posterior,
@@ -214,8 +217,8 @@ pub(crate) fn evidence(
         }
         let mut by_weight: Vec<_> = sample.points.iter().zip(&ln_weights).collect();
         by_weight.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-        // the point of greatest weight that can be linearised; if there is none, the last proposal
-        // continues
+        // about the point of greatest weight at which the problem can be linearised; if there is
+        // none, more points are drawn from the last proposal
         let next = by_weight
             .iter()
             .take(MOST_TRIED)
@@ -228,7 +231,7 @@ pub(crate) fn evidence(
     }
 }
 
-/// Points of several proposals with the logarithm of the integrand there.
+/// Points drawn from several proposals, with the logarithm of the integrand at each point.
 #[derive(Default)]
 struct Sample {
     /// Proposals, each with the number of its points.
@@ -276,7 +279,7 @@ impl Sample {
     }
 }
 
-/// ln of the mean of weights given by their logarithms, and the standard error of this value.
+/// Logarithm of the mean of weights that are given by their logarithms, and its standard error.
 fn ln_mean(ln_weights: &[f64]) -> (f64, f64) {
     let largest = ln_weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {
@@ -328,9 +331,9 @@ impl Proposal {
         }
     }
 
-    /// Proposal about a point, along the axes of the covariance of Laplace's method there, and the
-    /// step from it to the minimum of the linearised problem; `None` if the covariance is not
-    /// positive definite.
+    /// Creates a proposal about `point`, along the axes of the covariance of Laplace's method at
+    /// this point, and returns it with the step from the point to the minimum of the linearised
+    /// problem; `None` if the covariance is not positive definite.
     fn about(integrand: &Integrand<'_>, point: &[f64]) -> Option<(Self, Vec<f64>)> {
         let deviations = &integrand.problem.prior.deviation;
         let there = integrand
@@ -361,7 +364,8 @@ impl Proposal {
         Some(self.factor.iter().map(product).collect())
     }
 
-    /// Point `index` of a recurrence of these steps, in standard deviations of the normal.
+    /// Point `index` of the additive recurrence with these `steps`, in the coordinates of
+    /// [`Integrand`].
     fn point(&self, index: usize, steps: &[f64]) -> Vec<f64> {
         let along: Vec<f64> = self
             .scales
@@ -369,7 +373,8 @@ impl Proposal {
             .zip(steps)
             .map(|([below, above], step)| {
                 let share = (0.5 + (index as f64 + 1.0) * step).fract();
-                // the halves of a split density meet at its peak: each has the weight of its scale
+                // both halves have the same density at the peak, so that their probabilities are
+                // proportional to their scales
                 let left = below / (below + above);
                 if share < left {
                     below * t4_quantile(0.5 * share / left)
@@ -408,8 +413,8 @@ fn t4_quantile(probability: f64) -> f64 {
     (p - 0.5).signum() * 2.0 * (q - 1.0).max(0.0).sqrt()
 }
 
-/// Standard deviations of θ along its principal axes, from the decomposition of data and prior,
-/// scaled by those of the prior.
+/// Principal axes of the covariance of θ, each with the length of its standard deviation, from the
+/// decomposition of the Jacobian of data and prior scaled by the standard deviations of the prior.
 fn principal_axes(svd: &ScaledDecomposition, deviations: &[f64]) -> Vec<Vec<f64>> {
     let axis = |(vector, s): (&Vec<f64>, &f64)| -> Vec<f64> {
         vector
@@ -425,7 +430,7 @@ fn principal_axes(svd: &ScaledDecomposition, deviations: &[f64]) -> Vec<Vec<f64>
         .collect()
 }
 
-/// Covariance from `axes`, the standard deviations along its principal axes.
+/// Covariance with these principal `axes`, each with the length of its standard deviation.
 fn covariance(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = axes.len();
     let mut covariance = vec![vec![0.0; count]; count];

@@ -117,8 +117,8 @@ pub(crate) struct Posterior {
     pub(crate) chi_square: f64,
     /// Σ of the squares of the prior's rows.
     pub(crate) prior_square: f64,
-    /// ½ ln det(1 + S Jᵀ J S), S being the standard deviations of the prior: the narrowing of the
-    /// parameters by the data.
+    /// ½ ln det(1 + S Jᵀ J S), with the standard deviations S of the prior: the logarithm of the
+    /// factor by which the data narrow the prior.
     pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
@@ -137,88 +137,91 @@ pub(crate) struct Likeliest {
     /// The whitened residuals.
     pub(crate) residual: Vec<f64>,
     pub(crate) is_settled: bool,
-    /// Place of the special case that it was found from, unless it is near the most probable
-    /// parameters.
+    /// Place of the special case from which the fit was found; `None` if the fit is near the most
+    /// probable parameters.
     pub(crate) of_case: Option<usize>,
 }
 
-/// Parameters from which a fit starts, and the place of the special case that they belong to.
+/// Place of the special case to which a start belongs, if any, and the starting parameters.
 type Start = (Option<usize>, Vec<f64>);
 
 /// The most probable parameters from the best of several starts.
 pub(crate) struct Searched {
     pub(crate) probable: Posterior,
-    /// Place of the special case, if a nonlinear law was fitted from this case alone.
+    /// Place of the special case, if the fit started from this case alone.
     pub(crate) of_case: Option<usize>,
 }
 
 /// Longest cell of the coarse grid on which starts are compared \[m\].
 const SCAN_CELL: f64 = 8e-3;
 
-/// Factors of E at which starts of linear models are tried: the time of flight may be off by a
+/// Factors on E for the starts of linear models, because the time of flight may be off by a
 /// fraction of a period.
 const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 
-/// Number of starts of a linear model that are followed to their minima. Its response costs little,
-/// and branches have several minima.
+/// Number of starts of a linear model from which a minimum is sought. Its response is computed
+/// fast, and laws with branches have several minima.
 const LINEAR_STARTS: usize = 4;
 
-/// Largest number of fits with renewed excitation. Without the secant each fit reduces the
-/// remaining change of χ² to a tenth or less, or to 0.6 if the excitation is that before the filter
-/// of a recorder.
+/// Largest number of fits of a candidate, each with the excitation re-estimated. Without the secant
+/// each fit reduces the change of χ² that remains to a tenth or less, or to 0.6 if the excitation
+/// is that before the filter of a recorder.
 const RENEWALS: usize = 16;
 
-/// Number of successive renewals that move the parameters, in standard errors, by no less than an
-/// earlier renewal, from which the renewals count as not converging. This happens with laws that do
-/// not explain the data.
+/// Number of successive fits that change the parameters, in standard errors, by no less than the
+/// smallest change so far, after which the candidate is taken not to converge. This happens with
+/// laws that do not explain the data.
 const NO_NEARER: usize = 3;
 
-/// Relative reduction of χ² that ends a fit: 1e-6 of a χ² of some hundreds moves parameters by a
-/// hundredth of their errors.
+/// Predicted relative reduction of χ² below which a fit ends: 1e-6 of a χ² of some hundreds
+/// corresponds to a change of the parameters by a hundredth of their errors.
 const REDUCTION: f64 = 1e-6;
 
-/// Remaining relative reduction of χ² at which minima are distinguished.
+/// Predicted relative reduction of χ² below which a preliminary minimisation ends, which shows
+/// whether two starts lead to one minimum.
 const PRELIMINARY: f64 = 1e-4;
 
-/// Change of χ² by a renewal at which renewals end: half of it, 0.01, is the change of ln Z.
+/// Change of χ² between two fits below which the excitation is not re-estimated again; the change
+/// of ln Z is half of it, 0.01.
 const SETTLED: f64 = 0.02;
 
-/// Limit of that change as a fraction of χ², for a law that is refuted in any case: its ln Z is
-/// then known to a ten-thousandth.
+/// Limit of that change as a fraction of χ², if this is larger: a law with such a large χ² is
+/// refuted in any case.
 const SETTLED_SHARE: f64 = 1e-4;
 
-/// Largest further fall of χ² divided by the fall by the last renewal, if each renewal lowers χ² by
-/// three quarters of the fall before.
+/// Sum of all further reductions of χ² divided by the last one, if each re-estimation of the
+/// excitation reduces χ² by three quarters of the previous reduction.
 const STILL_FALLS: f64 = 3.0;
 
-/// Change of the parameters, in standard errors, up to which a fit that was settled before counts
-/// as settled after one renewal.
+/// Change of the parameters, in standard errors, below which a fit that had converged before is
+/// accepted after one re-estimation of the excitation.
 const UNMOVED: f64 = 0.1;
 
-/// Returns true if χ² no longer changes.
+/// Returns true if χ² changes by less than [`SETTLED`], or by less than the fraction
+/// [`SETTLED_SHARE`] of it, between two fits.
 fn is_settled(last: f64, next: f64) -> bool {
     (next - last).abs() < SETTLED.max(SETTLED_SHARE * next)
 }
 
-/// χ² by which a law may exceed one of its special cases before it is also fitted from this case,
-/// and by which that fit must be better.
+/// Amount by which χ² of a law must exceed that of a special case before the law is also fitted
+/// from this case, and by which the second fit must be better.
 const WORSE: f64 = 0.02;
 
-/// Numbers of standard deviations of the prior. If a parameter of a special case is further from
-/// the mean than all of them, fits also start with the parameter at these distances. Further out
-/// the data do not depend on the parameter, and a fit would return by no more than a step limit per
-/// iteration.
+/// Distances from the mean of the prior, in standard deviations. If a parameter of a special case
+/// is further from the mean than the largest distance, fits also start with the parameter at each
+/// of these distances: further out the response hardly depends on the parameter, and a fit would
+/// move it back by no more than a step limit per iteration.
 const BACK: [f64; 3] = [1.0, 2.0, 3.0];
 
-/// A law as the limit of a candidate.
+/// A law that is a limit of a candidate.
 pub(crate) struct Limiting<'a> {
-    /// Parameters at which the candidate is the law.
+    /// Parameters at which the candidate equals the law.
     pub(crate) parameters: Vec<f64>,
     /// Smallest χ² of the law.
     pub(crate) chi_square: f64,
-    /// The most probable fit of the law, if it has the excitation of the candidate: a linear rod is
-    /// driven by the excitation after the filter of the recorder, a nonlinear one by that before
-    /// the filter.
+    /// The most probable fit of the law; `None` if its excitation is not of the kind that drives
+    /// the candidate: a linear rod is driven by the excitation after the filter of the recorder, a
+    /// nonlinear one by that before the filter.
     pub(crate) probable: Option<&'a Posterior>,
 }
 
@@ -231,13 +234,14 @@ pub(crate) struct Contest<'a> {
     pub(crate) cell: f64,
     /// Factor on the whitened residuals.
     pub(crate) weight: f64,
-    /// χ² beyond which no further renewal makes the candidate explain the data.
+    /// χ² above which the excitation is not re-estimated again, because the candidate cannot
+    /// explain the data.
     pub(crate) hopeless: f64,
 }
 
 impl<'a> Contest<'a> {
-    /// Returns the candidate on `tests` with samples at `times`, with a factor of 1 on the
-    /// residuals and no limit of χ².
+    /// Creates the contest of `candidate` on `tests` with samples at `times`, with a factor of 1 on
+    /// the residuals and no limit of χ².
     pub(crate) fn of(
         candidate: &'a Candidate,
         prior: &'a Prior,
@@ -292,7 +296,8 @@ impl Contest<'_> {
         }
     }
 
-    /// Misfit for the comparison of starts; `None` if the model does not exist there.
+    /// Misfit for the comparison of starts: the squares of the residuals divided by `levels`, and
+    /// of the deviations from the prior; `None` if the model does not exist at `start`.
     fn rough_misfit(&self, start: &[f64], levels: &[f64]) -> Option<f64> {
         let mut sum = 0.0;
         for ((test, times), level) in self.tests.iter().zip(self.times).zip(levels) {
@@ -361,8 +366,8 @@ impl Contest<'_> {
         Ok(best.map(|probable| Searched { probable, of_case }))
     }
 
-    /// The parameters of a special case, and the same parameters with those outside the prior moved
-    /// back into it.
+    /// Starts from a special case: its parameters and, if some are outside the prior range, the
+    /// parameters moved back to each of the distances [`BACK`].
     fn starts_of(&self, case: &Limiting<'_>) -> Vec<Vec<f64>> {
         let back = |deviations: f64| -> Vec<f64> {
             let prior = self.prior.mean.iter().zip(&self.prior.deviation);
@@ -379,8 +384,8 @@ impl Contest<'_> {
         starts
     }
 
-    /// Minima reached from `starts`, the best start first, each minimum once. The excitation is
-    /// that of the best start for all of them, so that starts of one minimum lead to the same
+    /// Distinct minima found from `starts`, of which the best is the first. The excitation is that
+    /// of the best start for all of them, so that starts that lead to one minimum end at the same
     /// point.
     fn distinct_minima(&self, starts: &[&Vec<f64>]) -> Result<Vec<Vec<f64>>, MaxwellidError> {
         if let [start] = starts {
@@ -428,13 +433,14 @@ impl Contest<'_> {
             .transpose()
     }
 
-    /// Minimises from `start` and renews excitation and covariance at the minimum until χ² no
-    /// longer changes; `None` if the model does not exist there.
+    /// Minimises from `start` and re-estimates excitation and covariance at the minimum, until χ²
+    /// no longer changes; `None` if the model does not exist at `start`.
     ///
-    /// A renewal is one step of a fixed-point iteration of the parameters. After the second, each
-    /// renewal starts at the fixed point of the secant through the last two (Anderson 1965, depth
-    /// one): an iteration that alternates between two points ends between them. With a settled
-    /// `fit`, a search that hardly moves from `start` ends at once.
+    /// Re-estimation and fit together are one step of a fixed-point iteration of the parameters.
+    /// From the third step on, each step starts at the fixed point of the secant through the last
+    /// two (Anderson 1965, depth one), so that an iteration that would alternate between two points
+    /// converges to a point between them. If a converged `fit` is given and the first step hardly
+    /// moves from `start`, the search ends after this step.
     fn settled_from(
         &self,
         start: &[f64],
@@ -469,8 +475,8 @@ impl Contest<'_> {
             };
             let of_data = minimum.linearisation.residual.iter();
             let chi_square = of_data.take(problem.samples()).map(|r| r * r).sum();
-            // without another excitation to start from, a renewal at the same parameters changes
-            // nothing
+            // at unchanged parameters a re-estimation gives the same excitation, unless it starts
+            // from the previous excitation, as it does before the filter
             let rests = minimum.parameters == at && !before_filter
                 || last.is_none()
                     && fit.is_some_and(|fit| fit.is_settled)
@@ -501,9 +507,9 @@ impl Contest<'_> {
         Ok(found)
     }
 
-    /// Finds the likeliest parameters near the most probable ones and near the special cases. The
-    /// search starts from the case with the least χ², and continues as long as another case
-    /// explains the data better than the result so far.
+    /// Finds the likeliest parameters near the most probable ones and near the special cases.
+    /// Starts are used in ascending order of their known χ², but only those whose known χ² is below
+    /// the best result so far.
     pub(crate) fn likeliest(
         &self,
         probable: &Posterior,
@@ -552,7 +558,7 @@ impl Contest<'_> {
             return Ok(None);
         };
         let mut residual = found.minimum.linearisation.residual;
-        // the rows of the prior follow the samples
+        // the rows after those of the samples belong to the prior
         residual.truncate(alone.problem(&found.seen).samples());
         Ok(Some(Likeliest {
             parameters: found.minimum.parameters,
@@ -564,10 +570,10 @@ impl Contest<'_> {
     }
 }
 
-/// A fit with the excitation and covariance that belong to its start.
+/// A fit with the excitation and covariance estimated at its start.
 struct Settled<'a> {
     start: Vec<f64>,
-    /// Parameters of the transfers from excitation to response.
+    /// Parameters at which the transfers from excitation to response were computed.
     transferred_at: Vec<f64>,
     seen: SeenTests<'a>,
     minimum: Minimum,
@@ -577,7 +583,7 @@ struct Settled<'a> {
 }
 
 impl Posterior {
-    /// ln Z by Laplace's method, for the logarithm of the likelihood at the most probable
+    /// ln Z by Laplace's method, from the logarithm of the likelihood at the most probable
     /// parameters.
     pub(crate) fn ln_evidence(&self, ln_likelihood: f64) -> f64 {
         ln_likelihood - 0.5 * self.prior_square - self.occam
@@ -591,8 +597,8 @@ impl Posterior {
             .ok_or(MaxwellidError::Decomposition {
                 iteration: minimum.iterations,
             })?;
-        // rows of the data and of the prior together: squares of singular values are 1 + those of
-        // the data
+        // the rows contain data and prior: the squares of the singular values are 1 plus those for
+        // the data alone
         let values = &svd.singular_values;
         Ok(Self {
             chi_square: sum_of_squares(of_data),
@@ -605,7 +611,7 @@ impl Posterior {
         })
     }
 
-    /// The function that is minimised: -2 ln of likelihood times prior.
+    /// The minimised function, -2 ln of the product of likelihood and prior.
     fn misfit(&self) -> f64 {
         self.chi_square + self.prior_square
     }

@@ -1,12 +1,12 @@
 //! A test with the excitation and the covariance of the residual that are most likely for one
 //! candidate.
 //!
-//! Noise in the excitation favours every θ that damps it: without the correction of
-//! [`crate::whitening`] losses at high frequency are found in noise alone, and linear laws with
-//! short relaxation times are preferred to the true nonlinear one. Each candidate therefore has its
-//! own excitation and covariance. The determinant of the covariance does not enter: the excitation
-//! is not marginalised. With the most probable excitation, which is used instead, the expectation
-//! of χ² under the true law is the number of samples.
+//! Noise in the excitation favours every θ that damps this noise: without the correction of
+//! [`crate::whitening`], losses at high frequencies are found in noise alone, and linear laws with
+//! short relaxation times are preferred to the true nonlinear law. Each candidate therefore has its
+//! own excitation and covariance. The likelihood does not contain the determinant of the
+//! covariance, because the excitation is set to its most probable value and not marginalised. The
+//! expectation of χ² under the true law is the number of samples.
 
 use crate::common_error::{CommonErrors, are_moved};
 use crate::deviation::Deviation;
@@ -26,7 +26,8 @@ pub(crate) struct SeenTest<'a> {
     /// Delay and length about which the response is linearised.
     deviation: Deviation,
     weighting: Weighting,
-    /// Target for the simulated response to the most likely excitation [m/s].
+    /// Measured response, corrected for the linearisation, with which the simulated response to the
+    /// most likely excitation is compared [m/s].
     target: Vec<f64>,
 }
 
@@ -50,7 +51,7 @@ pub(crate) struct AtParameters<'a> {
     pub(crate) weight: f64,
 }
 
-/// Largest number of linearisations about a delay.
+/// Largest number of iterations over delays and lengths.
 const DELAYS: usize = 6;
 
 /// Excitations, delays and lengths about which the tests are linearised.
@@ -66,9 +67,10 @@ impl<'a> SeenTests<'a> {
     /// Creates the tests, their rods linearised about these `inputs`; `None` if the model does not
     /// exist.
     ///
-    /// Each call linearises once. At parameters that are not yet the right ones, the most likely
-    /// excitation compensates for their error. A further linearisation about this excitation would
-    /// compensate more, so that the parameters would not move any more.
+    /// Each call linearises once about the excitation. Before the parameters have converged, the
+    /// most likely excitation compensates for part of their error; further linearisations about
+    /// this excitation would compensate for more of the error, and the next fit would not correct
+    /// the parameters.
     pub(crate) fn of(tests: &'a [RodTest], at: AtParameters<'_>, inputs: Inputs) -> Option<Self> {
         let is_linear = at.model.is_linear();
         let before_filter = !is_linear && tests.iter().any(|test| test.drive(false).is_some());
@@ -109,7 +111,7 @@ impl<'a> SeenTests<'a> {
     /// The tests with their most likely delays, lengths and excitations.
     fn cleaned(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut white = Vec::new();
-        // the present common errors belong to other parameters
+        // the present common errors were computed at other parameters
         self.common = CommonErrors::default();
         for _ in 0..DELAYS {
             self = self.with_common_errors(tests, at)?;
@@ -140,7 +142,8 @@ impl<'a> SeenTests<'a> {
         })
     }
 
-    /// The tests with the common errors about their excitations, delays and lengths.
+    /// The tests with the common errors at their excitations, delays and lengths, and with the
+    /// targets corrected for them.
     fn finished(self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut seen = self.with_common_errors(tests, at)?;
         for (index, of_test) in seen.tests.iter_mut().enumerate() {
@@ -152,7 +155,8 @@ impl<'a> SeenTests<'a> {
         Some(seen)
     }
 
-    /// The common errors, with the responses linearised about the delays and lengths.
+    /// Computes the common errors, with the responses linearised about the present delays and
+    /// lengths.
     fn with_common_errors(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         for (of_test, deviation) in self.tests.iter_mut().zip(&self.deviations) {
             of_test.times = delayed(&of_test.weighting.times(of_test.test), deviation.delay);
@@ -253,8 +257,8 @@ impl<'a> SeenTest<'a> {
     }
 }
 
-/// Standard deviation [m/s] of a residual for the comparison of starts, as if the rod only doubled
-/// the excitation.
+/// Standard deviation [m/s] of a residual for the comparison of starts, under the assumption that
+/// the response is twice the excitation.
 pub(crate) fn rough_level(test: &RodTest) -> Result<f64, MaxwellidError> {
     let noise = test.noise().ok_or_else(|| MaxwellidError::NoiseUnknown {
         test: test.name().to_owned(),

@@ -1,4 +1,4 @@
-//! Likelihoods, levels, and the verdict in each case of its rules.
+//! Tests of likelihoods, levels, and each rule of the verdict.
 
 use std::sync::Arc;
 
@@ -41,8 +41,8 @@ pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTes
     .unwrap()
 }
 
-/// A record with little noise, made by another solver: on cells of 8 mm the error of the grid
-/// rejects the right law, and the comparison detects and removes this error.
+/// Checks, for a record of another solver with little noise, that the grid is refined: with cells
+/// of 8 mm the right law would be refuted because of the error of the grid.
 #[test]
 fn a_record_of_little_noise_is_judged_on_finer_grids() {
     let norton = MaxwellNorton::from_reference_rate(2.1, 40.0, 10e6).unwrap();
@@ -64,9 +64,9 @@ fn a_record_of_little_noise_is_judged_on_finer_grids() {
     assert!(found.laws[0].probability > 0.95, "{found}");
 }
 
-/// Several records of one rod: the true law is named with the modulus and the relaxation time of
-/// the simulation, a law with one parameter less is refuted, and a law that contains it is not
-/// worse than the true law.
+/// Checks, for four records of a Maxwell rod, that the Maxwell law is found with the modulus and
+/// the relaxation time of the simulation, that the elastic law is refuted, and that two Maxwell
+/// branches, which contain the law, fit no worse.
 #[test]
 fn a_short_record_of_a_maxwell_rod_names_it() {
     let maxwell = Maxwell::new(1.5e6).unwrap();
@@ -97,7 +97,8 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
         );
         assert!(found.laws[1].adequacy.unwrap() < 1e-6, "{found}");
         for law in &found.laws {
-            // known noise: chi-square of the samples minus the parameters that the data determine
+            // known noise: chi-square with as many degrees of freedom as samples minus determined
+            // parameters
             let degrees = found.effective_samples - law.determined;
             let tail = ChiSquared::new(degrees).unwrap().sf(law.chi_square);
             let off = (law.adequacy.unwrap() - tail).abs();
@@ -121,20 +122,20 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
             "{found}"
         );
         assert!(found.to_string().contains("chi-square"));
-        // the evidence of a probable law is integrated, that of a law far below the best is only
-        // approximated
+        // the evidence of a probable law is found by importance sampling, that of a law far below
+        // the best by Laplace's method, without an error
         assert!(law.ln_evidence_error > 0.0, "{found}");
         assert!(found.laws[1].ln_evidence_error <= 0.0, "{found}");
         squares += (law.likeliest[0] - 3e9_f64.ln()).powi(2);
         // the relaxation time of the law is known to some per cent at this noise
         assert!((law.likeliest[1] - time.ln()).abs() < 0.2, "{found}");
     }
-    // E to some parts in ten thousand
+    // tolerance: four times the error of E, some parts in ten thousand
     assert!((squares / 4.0).sqrt() < 2e-3, "{squares}");
 }
 
-/// Only ratios of the noise levels are known: probabilities and limits do not depend on the stated
-/// level, and χ² varies with the inverse square of the level.
+/// Checks, if only the ratios of the noise levels are known, that probabilities and limits do not
+/// depend on the stated level, and that χ² is inversely proportional to its square.
 #[test]
 fn a_level_of_noise_that_is_not_known_decides_nothing() {
     let laws = [Law::TwoMaxwellBranches, Law::Elastic, Law::Maxwell].map(Candidate::of);
@@ -153,18 +154,21 @@ fn a_level_of_noise_that_is_not_known_decides_nothing() {
     }
     for (a, b) in own.laws.iter().zip(&other.laws) {
         assert_eq!(a.limits, b.limits, "{own}{other}");
-        // two integrations, each to a tenth of ln Z; the priors have the same weights
+        // tolerance: the two values of ln Z have an error of a tenth each
         assert!((a.probability - b.probability).abs() < 0.05, "{own}{other}");
         let ratio = a.chi_square / b.chi_square / (0.12_f64 / 0.05).powi(2);
-        // the minima are found to a millionth of χ², about excitations that settle to two per cent
+        // tolerance: the minima are found to 1e-6 of χ², but the excitations are re-estimated only
+        // until χ² changes by less than 0.02 or 1e-4 of itself
         assert!((ratio - 1.0).abs() < 1e-2, "{ratio} {own}{other}");
     }
 }
 
-/// Difference of χ² between a law and a law that contains it, both ended at a millionth of χ².
+/// Amount by which χ² of a law may exceed that of a special case, because both minimisations end
+/// before the exact minimum.
 const WORSE_BY_ROUNDING: f64 = 0.05;
 
-/// The ranges of the catalogue, equal weights, and a flat loss for linear models only.
+/// Checks the ranges of the catalogue, equal weights, and that only linear models are marked as
+/// laws of flat loss.
 #[test]
 fn the_standard_candidates_are_those_of_the_documentation() {
     let standard = Candidate::standard();
@@ -196,8 +200,8 @@ fn the_standard_candidates_are_those_of_the_documentation() {
     }
 }
 
-/// χ² of 30 over 100 samples; the noise is known, estimated from 20 samples or from half a sample,
-/// or known only up to a common factor.
+/// Compares likelihood and scale with their formulas, for χ² = 30 of 100 samples and a noise that
+/// is known, estimated from 20 samples or from half a sample, or known only up to a common factor.
 #[test]
 fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
     let known = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
@@ -216,20 +220,20 @@ fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
     }
 }
 
-/// Chi-square with 2 degrees exceeds x with the probability e^{-x/2}, F with 2 and 2 degrees
-/// exceeds f with 1/(1 + f).
+/// Compares adequacies with closed forms: chi-square with 2 degrees of freedom exceeds x with the
+/// probability e^{-x/2}, and F with 2 and 2 degrees exceeds f with the probability 1/(1 + f).
 #[test]
 fn adequacy_is_a_tail_of_chi_square_or_f() {
     let known = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
     assert!((known.adequacy(6.0, 2.0).unwrap() - (-3.0_f64).exp()).abs() < 1e-12);
     assert!((of(2.0).adequacy(6.0, 2.0).unwrap() - 0.25).abs() < 1e-12);
-    // F with 2 and q degrees exceeds f with (1 + 2 f/q)^(-q/2)
+    // F with 2 and q degrees of freedom exceeds f with the probability (1 + 2 f/q)^(-q/2)
     assert!((of(0.5).adequacy(6.0, 2.0).unwrap() - 13_f64.powf(-0.25)).abs() < 1e-9);
     assert_eq!(of(0.0).adequacy(6.0, 2.0), None);
 }
 
-/// A law of a comparison, from the flags (linear, of flat loss), ln Z, χ² and adequacy.
+/// A law of a comparison with these flags (linear, flat loss), ln Z, χ² and adequacy.
 fn law(
     (is_linear, is_flat_loss): (bool, bool),
     ln_evidence: f64,
@@ -301,7 +305,8 @@ fn a_law_of_the_required_probability_is_named() {
     assert!(found.advice.is_empty());
 }
 
-/// Candidates in question are the fewest, most probable first, with 99 % of the probability.
+/// Checks that the candidates in question are the fewest that have 99 % of the probability
+/// together, the most probable first.
 #[test]
 fn without_the_required_probability_the_fewest_with_99_per_cent_are_left() {
     for (probabilities, expected) in [
@@ -323,7 +328,8 @@ fn without_the_required_probability_the_fewest_with_99_per_cent_are_left() {
     }
 }
 
-/// The law with the least misfit decides for all; exactly at the level it is not refuted.
+/// Checks that only the law with the least misfit decides whether any law explains the data, and
+/// that an adequacy equal to the level does not refute it.
 #[test]
 fn none_explains_the_data_if_the_least_misfit_is_improbable() {
     let laws = |adequacy| {
@@ -387,9 +393,9 @@ fn one_velocity_names_no_nonlinear_law_beside_a_flat_loss_that_explains() {
     }
 }
 
-/// Unsettled laws with a probability above 0.05 leave the law open: in question are all laws above
-/// this probability and, if the unsettled one leads, all laws that are not refuted by their own
-/// misfit.
+/// Checks that no law is named if a law with a probability above 0.05 is unsettled. In question are
+/// the laws with a probability above 0.01 and, if the most probable law is the unsettled one, all
+/// laws that are not refuted by their own misfit.
 #[test]
 fn a_misfit_that_is_not_settled_leaves_the_law_open() {
     let second = |probability: f64| {
@@ -443,9 +449,9 @@ fn advice_names_the_velocity_and_the_correlation() {
     }
 }
 
-/// The range of each parameter is four standard deviations wide; the range of ln E is centred on
-/// the value from the time of flight. A linear law starts at its prior mean and one standard
-/// deviation to either side.
+/// Checks that the range of each parameter is four standard deviations wide, that the range of ln E
+/// is centred on the value from the time of flight, and that a linear law also starts with each
+/// parameter at its prior mean and one standard deviation to either side.
 #[test]
 fn a_prior_is_normal_of_a_quarter_of_its_range() {
     let standard = Candidate::standard();
@@ -513,8 +519,8 @@ fn candidates_without_a_range_for_each_parameter_are_refused() {
     );
 }
 
-/// The required probability is from one half to below one, the level of adequacy between zero and
-/// one.
+/// Checks that the required probability must be at least one half and below one, and the level of
+/// adequacy between zero and one.
 #[test]
 fn levels_are_probabilities() {
     let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
@@ -539,8 +545,8 @@ fn levels_are_probabilities() {
     assert!(selection.with_cell(0.01).is_ok());
 }
 
-/// Further candidates enter if a nonlinear law is in question or no law explains the data, and
-/// otherwise not.
+/// Checks that further candidates are compared only if a nonlinear law is in question or no law
+/// explains the data.
 #[test]
 fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
     let compared = |laws: &[Law], test: RodTest| {
@@ -569,9 +575,9 @@ fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
     assert_eq!(compared(&both[..1], test_of(&norton, 0.005, 21)), both);
 }
 
-/// Noise estimated from q samples, which is in truth twice the estimate: between two values of q
-/// the evidence of a law with one determined parameter differs by the difference of the two
-/// marginal likelihoods at its χ², and by the factor on its standard error.
+/// Compares the evidence for a noise estimated from 30 and from 120 samples, where the true noise
+/// is twice the estimate. For a law with one determined parameter the two values of ln Z differ by
+/// the marginal likelihoods at its χ² and by the factors on its standard error.
 #[test]
 fn evidence_holds_the_likelihood_of_a_noise_from_few_samples() {
     let test = test_of(&Elastic, 0.01, 5).with_noise(0.05, 0.05).unwrap();
@@ -588,11 +594,12 @@ fn evidence_holds_the_likelihood_of_a_noise_from_few_samples() {
     };
     let ((few, few_expected), (many, many_expected)) = (of(30.0), of(120.0));
     let off = (many - few) - (many_expected - few_expected);
-    // two integrations, each to a tenth of ln Z
+    // tolerance: the two values of ln Z have an error of a tenth each
     assert!(off.abs() < 0.2, "{off} {few} {many}");
 }
 
-/// The duration is the time of the last sample in the window.
+/// Checks that the duration is the time of the last sample in the window, and the noise level for
+/// the comparison of starts.
 #[test]
 fn the_duration_is_that_of_the_longest_window() {
     let tests = [test_of(&Elastic, 0.005, 3)];
@@ -603,12 +610,12 @@ fn the_duration_is_that_of_the_longest_window() {
         let test = tests[0].clone().with_noise(excitation, response).unwrap();
         seen_test::rough_level(&test).unwrap()
     };
-    // a free end doubles the wave that arrives
+    // the free end doubles the arriving wave, so that the level is that of 2 × 0.3 and 0.8
     assert!((level(0.3, 0.8) - 1.0).abs() < 1e-12);
 }
 
-/// Noise with a correlation of 0.6 from sample to sample has one independent sample in four, (1 +
-/// 0.6)/(1 - 0.6); χ² counts these samples, and is still one for each of them.
+/// Checks a noise with a correlation of 0.6 from sample to sample, which has one independent sample
+/// in (1 + 0.6)/(1 - 0.6) = 4: χ² is about one for each independent sample.
 #[test]
 fn a_correlated_residual_counts_its_independent_samples() {
     let clean = test_of(&Elastic, 1e-9, 3);
@@ -638,13 +645,13 @@ fn a_correlated_residual_counts_its_independent_samples() {
         inflation += found.inflation / 6.0;
         each += found.laws[0].chi_square / found.effective_samples / 6.0;
     }
-    // six records of 94 samples: each correlation is known to a twentieth, their sum to a fifth;
-    // windows and fit reduce it further
+    // tolerance: from six records of 94 samples each correlation is known to 0.05 and their sum to
+    // a fifth; the fit and the omission of small correlations reduce the sum further
     assert!((2.0..5.0).contains(&inflation), "{inflation}");
     assert!((0.7..1.3).contains(&each), "{each}");
 }
 
-/// Velocities count as two if their ratio is 1.2 or more.
+/// Checks that two velocities are treated as different if their ratio is at least 1.2.
 #[test]
 fn velocities_closer_than_a_fifth_are_one() {
     let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();

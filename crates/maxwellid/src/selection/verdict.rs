@@ -6,17 +6,17 @@
 
 use super::{Advice, ComparedLaw, Comparison, Decision, Doubt, Selection};
 
-/// Factor from which a reduced number of independent samples is reported: white residuals give at
-/// most about 1.3.
+/// Factor of reduction of the number of independent samples above which it is reported; white
+/// residuals give at most about 1.3.
 const CORRELATED_FROM: f64 = 1.5;
 
-/// Total probability of the laws that a tie leaves out, as a fraction of the probability that all
-/// others may have where one law is named. With 5 % noise and the whole of that probability, three
-/// ties in a hundred left the true law out.
+/// Largest total probability of the laws that are omitted where several laws remain in question, as
+/// a fraction of the probability that all other laws may have where one law is named. With a
+/// fraction of 1 and 5 % noise, the true law was omitted in three of a hundred such verdicts.
 const LEFT_OUT: f64 = 0.2;
 
 impl Selection {
-    /// Verdict on `laws`, of which there must be at least one.
+    /// Computes probabilities, verdict and advice for `laws`, of which there must be at least one.
     pub(super) fn decide(
         &self,
         mut laws: Vec<ComparedLaw>,
@@ -45,7 +45,7 @@ impl Selection {
         let verdict = self.verdict(&laws, &order, has_several_velocities);
         let decision = with_special_cases(verdict, &laws);
         let mut advice = Vec::new();
-        // with one velocity every nonlinear explanation is confounded with a frequency-independent
+        // with one velocity a nonlinear law cannot be distinguished from a frequency-independent
         // loss
         if !has_several_velocities && nonlinear > 1.0 - self.required_probability {
             advice.push(Advice::SecondVelocity { present: slowest });
@@ -80,13 +80,13 @@ impl Selection {
         }
         let first = order[0];
         let probability = laws[first].probability;
-        // probability of the laws of a tie
+        // total probability of the laws that remain in question
         let held = 1.0 - LEFT_OUT * (1.0 - self.required_probability);
-        // any law with more than this probability may be unsettled
+        // an unsettled law matters only above this probability
         let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
         if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
-            // the probability of an unsettled law excludes no other law; only the misfit of another
-            // law excludes it
+            // if the most probable law is unsettled, its probability does not exclude the other
+            // laws; only their own misfit does
             let explains = |index: usize| {
                 !laws[first].is_settled
                     && laws[index]
@@ -149,8 +149,8 @@ impl Selection {
     }
 }
 
-/// Adds the special cases that the misfit of their general law does not exclude: only the priors
-/// make them less probable.
+/// Adds the special cases that the data do not exclude, and that only the priors make less probable
+/// than their general law.
 fn with_special_cases(decision: Decision, laws: &[ComparedLaw]) -> Decision {
     let (mut between, reason) = match &decision {
         Decision::Law { candidate, .. } => (vec![*candidate], None),

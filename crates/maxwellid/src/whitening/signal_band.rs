@@ -1,4 +1,5 @@
-//! Frequencies at which a test has a signal, and the low-pass that limits the excitation to them.
+//! Frequency up to which a test has a signal, and the low-pass filter that limits the excitation to
+//! this band.
 
 use faer::Mat;
 
@@ -9,21 +10,23 @@ use crate::test::RodTest;
 /// Width of the transition of the low-pass, as a fraction of half of the sampling rate.
 const TRANSITION: f64 = 0.1;
 
-/// Number of weights of the low-pass on either side of the middle one; with Hann's window, it gives
-/// [`TRANSITION`].
+/// Number of weights of the low-pass on either side of the middle one; with Hann's window, the
+/// transition then has the width [`TRANSITION`].
 const HALF_LENGTH: usize = 31;
 
 /// Number of standard deviations by which the mean power of a block of lines must exceed the noise
-/// to be a signal. With four, noise alone passed for a signal in one of twenty records.
+/// to be regarded as a signal. With four, noise alone was regarded as a signal in one of twenty
+/// records.
 const ABOVE_CHANCE: f64 = 6.0;
 
 /// Largest number of blocks into which a spectrum is divided.
 const BLOCKS: usize = 20;
 
-/// Noise power relative to its largest value below which a line has no noise.
+/// Fraction of the largest noise power of a line that is added to the noise power of every line, so
+/// that no line is without noise.
 const LEAST_NOISE: f64 = 1e-3;
 
-/// Low-pass of zero phase that passes the frequencies at which a test has a signal. At its ends a
+/// Zero-phase low-pass filter that passes the band in which a test has a signal. At its ends a
 /// history is continued by its mirror image.
 #[derive(Debug, Clone)]
 pub(super) struct SignalBand {
@@ -32,8 +35,8 @@ pub(super) struct SignalBand {
 }
 
 impl SignalBand {
-    /// Returns `None` without noise, for a short record, and if the signal extends to nearly half
-    /// of the sampling rate. The same band applies to all laws.
+    /// Returns the band of `test`, the same for all laws; `None` without stated noise, for a short
+    /// record, and if the signal extends to nearly half of the sampling rate.
     pub(super) fn of(test: &RodTest) -> Option<Self> {
         let noise = test.noise.as_ref()?;
         if test.window <= 2 * HALF_LENGTH {
@@ -70,7 +73,8 @@ impl SignalBand {
         Some(Self { weights })
     }
 
-    /// Places and weights of the samples in the filtered sample `at` of a history of `count`.
+    /// Places and weights of the samples that make up the filtered sample `at` of a history of
+    /// `count` samples.
     fn terms(&self, at: usize, count: usize) -> impl Iterator<Item = (usize, f64)> {
         let after = self.weights.iter().enumerate();
         let before = after.clone().skip(1);
@@ -78,7 +82,7 @@ impl SignalBand {
         after.chain(before.map(move |(lag, weight)| (at.abs_diff(lag), *weight)))
     }
 
-    /// Filters a history of more samples than the low-pass has weights.
+    /// Filters a history that has more samples than the low-pass has weights.
     pub(super) fn of_history(&self, history: &[f64]) -> Vec<f64> {
         let at = |place: usize| history.get(place).copied().unwrap_or(0.0);
         let filtered = |place| {
@@ -111,7 +115,7 @@ fn mirrored(at: usize, count: usize) -> usize {
 }
 
 /// Highest frequency at which the mean power of a block of lines exceeds the noise, as a fraction
-/// of half of the sampling rate. The noise is at most that of the highest block.
+/// of half of the sampling rate. The noise power is limited to the power of the highest block.
 #[allow(
     clippy::indexing_slicing,
     reason = "a block ends with the last line, and there is a sum before each"
@@ -136,7 +140,7 @@ fn upper_edge(history: &[f64], noise: &HistoryNoise) -> f64 {
     if lines.len() < length {
         return 1.0;
     }
-    // noise that is stated too high hides no signal
+    // factor on a noise that is stated too high, which would hide the signal
     let noise = ratio(lines.len()).min(1.0);
     let has_signal = |end: &usize| ratio(*end) > limit * noise;
     let last = (length..=lines.len()).rev().find(has_signal);
@@ -167,10 +171,10 @@ mod tests {
         let wave = |k: usize| (0.3 * std::f64::consts::PI * k as f64).cos();
         let history: Vec<f64> = noise(400).enumerate().map(|(k, n)| n + wave(k)).collect();
         let edge = upper_edge(&history, &white);
-        // blocks of 20 lines of 400
+        // the wave is at 0.3; tolerance: one block, 20 of 400 lines
         assert!((0.3..=0.36).contains(&edge), "{edge}");
         assert!(upper_edge(&noise(400).collect::<Vec<_>>(), &white) <= 0.1);
-        // without noise, and with noise that is stated too high
+        // stated noise of 0, and noise that is stated too high
         let silent = HistoryNoise::White {
             standard_deviation: 0.0,
         };
@@ -182,8 +186,9 @@ mod tests {
         assert!((0.3..=0.36).contains(&edge), "{edge}");
     }
 
-    /// A wave in the band passes within 1 %, one above the transition is attenuated a hundredfold,
-    /// and the transfer with the low-pass is the transfer of the filtered history.
+    /// Checks that a wave in the band passes unchanged within 1 %, that a wave above the transition
+    /// is attenuated to less than 1 %, and that the transfer after the low-pass applied to a
+    /// history equals the transfer applied to the filtered history.
     #[test]
     fn the_low_pass_separates_waves_and_commutes_with_a_transfer() {
         let band = SignalBand::up_to(0.4).unwrap();
@@ -203,7 +208,7 @@ mod tests {
         for i in 0..50 {
             let of = |h: &Mat<f64>, u: &[f64]| -> f64 { (0..201).map(|j| h[(i, j)] * u[j]).sum() };
             let (one, other) = (of(&limited, &history), of(&transfer, &filtered));
-            // sums of 201 terms of size 5
+            // tolerance: rounding of sums of 201 terms of size 5
             assert!((one - other).abs() < 1e-11, "{one} {other}");
         }
         assert!(SignalBand::up_to(0.85).is_none());

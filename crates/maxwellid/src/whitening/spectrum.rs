@@ -9,12 +9,12 @@ use crate::noise::HistoryNoise;
 /// Number of frequencies to either side over which the power of a record is averaged.
 pub(super) const SMOOTHED: usize = 5;
 
-/// Ratio of signal power to noise power below which a frequency counts as noise. The mean over
-/// eleven lines of pure noise exceeds it in one of ten cases.
+/// Ratio of the mean power to the noise power below which a frequency is removed as noise. The mean
+/// over eleven lines of pure noise exceeds this ratio in one of ten cases.
 const NOISE_POWER: f64 = 1.5;
 
-/// Filters `history` by reducing each frequency to its power above the noise. The record is
-/// continued by its mirror image, so that its continuation has no jump.
+/// Filters `history` by multiplying each frequency by the fraction of its power that exceeds the
+/// noise. The history is continued by its mirror image, which avoids a jump at its ends.
 #[allow(
     clippy::indexing_slicing,
     reason = "a range of lines ends with the last"
@@ -46,7 +46,7 @@ pub(super) fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64>
     filtered.take(count).map(|u| scale * u).collect()
 }
 
-/// Fourier transform of a history that is continued by its mirror image, which is real.
+/// Fourier transform of a history that is continued by its mirror image; the transform is real.
 struct Mirrored {
     /// Transform of a period, the history forwards and backwards.
     fourier: RealFourier,
@@ -73,7 +73,7 @@ impl Mirrored {
         let samples = fourier.samples();
         samples.fill(0.0);
         for (lag, covariance) in covariance.enumerate() {
-            // lag 0 occurs once, each other lag before and behind
+            // in a period lag 0 occurs once and every other lag twice, as +lag and -lag
             let behind = (lag > 0).then_some(period - lag);
             for place in [Some(lag), behind].into_iter().flatten() {
                 if let Some(sample) = samples.get_mut(place) {
@@ -91,9 +91,9 @@ impl Mirrored {
     }
 }
 
-/// Power of each line of `history`, continued by its mirror image, and that expected of `noise`
-/// alone; the lines are evenly spaced from 0 to half of the sampling rate. Empty for fewer than
-/// three samples.
+/// Power of each line of `history`, continued by its mirror image, and the power expected for
+/// `noise` alone; the lines are evenly spaced from 0 to half of the sampling rate. Empty for fewer
+/// than three samples.
 pub(crate) fn mirrored_spectrum(history: &[f64], noise: &HistoryNoise) -> Vec<(f64, f64)> {
     if history.len() < 3 {
         return Vec::new();
@@ -117,7 +117,7 @@ mod tests {
             .map(|k| f64::from(k * k % 17) + 0.1 * f64::from(k))
             .collect();
         for (a, b) in wiener_filtered(&history, &noise).iter().zip(&history) {
-            // two transforms of 61 samples of size 20
+            // tolerance: rounding of two transforms of 61 samples of size 20
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
     }
@@ -132,7 +132,8 @@ mod tests {
             .map(|k| wave(8.0, k) + 0.02 * wave(90.0, k))
             .collect();
         for (k, v) in (0..=128).zip(wiener_filtered(&history, &noise)) {
-            // power of the wave 128², averaged over 11: 1490; noise 1.5 · 256 · 0.05² = 0.96
+            // tolerance: the power of the wave averaged over 11 lines is 128²/11 = 1490, and the
+            // filter subtracts 1.5 · 256 · 0.05² = 0.96 of it
             assert!((v - wave(8.0, k)).abs() < 1e-3, "{k}: {v}");
         }
     }

@@ -1,4 +1,4 @@
-//! Comparison of ln Z with sums over a grid, which assume no normality.
+//! Comparison of ln Z with sums over a grid, which do not assume a normal density.
 
 use rodwave::inelastic::{Elastic, Maxwell, MaxwellNorton};
 
@@ -13,18 +13,19 @@ use crate::selection::tests::test_of;
 use crate::selection::{Candidate, Contest, Ground};
 use crate::test::RodTest;
 
-/// Step of the grid in the units of the integrand. The error of the sum over a smooth peak is
-/// exp(-2π²/h²), below rounding for a normal one; the other steps are for non-normal peaks.
+/// Step h of the grid in the coordinates of [`Integrand`]. The error of the sum over a normal
+/// density is exp(-2π²/h²), which is negligible for all these steps; peaks of other shapes need the
+/// shorter ones.
 fn step_of(axes: usize, is_linear: bool) -> f64 {
     match (axes, is_linear) {
         (0..=2, _) => 0.2,
-        // the response of a linear law costs little
+        // the response of a linear law is computed fast
         (_, true) => 0.3,
         (_, false) => 0.5,
     }
 }
 
-/// ln of the sum over the grid, from the peak outwards as long as points contribute.
+/// Logarithm of the sum over the grid, from the peak outwards as long as points contribute.
 fn ln_sum(integrand: &Integrand<'_>) -> f64 {
     let axes = integrand.centre.len();
     let width = step_of(axes, integrand.problem.model.is_linear());
@@ -46,7 +47,7 @@ fn ln_sum(integrand: &Integrand<'_>) -> f64 {
                     continue;
                 }
                 let share = (at(&next) - top).exp();
-                // the rest outside is a ten-thousandth of the sum
+                // the omitted points are about 1e-4 of the sum
                 if share > 1e-5 {
                     sum += share;
                     edge.push(next);
@@ -105,8 +106,8 @@ fn with_prior_moved(candidate: &Candidate, tests: &[RodTest], by: f64) -> [f64; 
     })
 }
 
-/// One parameter that the data determine has a normal posterior: Laplace's method is exact except
-/// for the curvature of χ² over a standard error, a ten-thousandth of ln E.
+/// Compares three values of ln Z for one parameter that the data determine: its posterior is nearly
+/// normal over its standard error, 1e-4 in ln E, so that Laplace's method is exact.
 #[test]
 fn laplace_has_the_evidence_of_a_normal_posterior() {
     for seed in 3..6 {
@@ -117,8 +118,8 @@ fn laplace_has_the_evidence_of_a_normal_posterior() {
     }
 }
 
-/// If the data determine E, a prior that is off by two standard deviations reduces ln Z by half of
-/// the square of this number, in all three computations.
+/// Checks, where the data determine E, that a prior whose mean is off by two standard deviations
+/// reduces ln Z by 2²/2 = 2 in all three computations.
 #[test]
 fn a_prior_that_is_off_costs_half_its_square() {
     let test = [test_of(&Elastic, 0.005, 3)];
@@ -127,7 +128,8 @@ fn a_prior_that_is_off_costs_half_its_square() {
     for by in [-2.0, 2.0] {
         let moved = with_prior_moved(&elastic, &test, by);
         for (plain, moved) in plain.iter().zip(moved) {
-            // the time of flight is off by some thousandths, a fiftieth of the deviation of the prior
+            // tolerance: the prior mean from the time of flight is already off by a fiftieth of the
+            // standard deviation of the prior
             assert!((moved - plain + 2.0).abs() < 0.1, "{plain} {moved}");
         }
     }
@@ -141,8 +143,7 @@ fn assert_as_by_a_grid(parameters: usize) {
     let data = [
         test_of(&maxwell, 0.01, 1),
         test_of(&norton, 0.01, 2),
-        // no damping is visible: the data only exclude relaxation times below a bound, beyond which
-        // the prior remains
+        // no damping is visible: the data exclude only relaxation times below a bound
         test_of(&Elastic, 0.02, 3),
     ];
     let mut off = Vec::new();
@@ -171,7 +172,7 @@ fn r01_the_evidence_of_three_parameters_is_that_of_a_grid() {
     assert_as_by_a_grid(3);
 }
 
-/// Student's t with four degrees of freedom by another implementation.
+/// Compares the quantiles with Student's t with four degrees of freedom of `statrs`.
 #[test]
 fn quantiles_are_those_of_students_t() {
     use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -210,7 +211,7 @@ fn a_factor_times_its_transpose_is_the_matrix_that_it_solves() {
     assert!(cholesky(&[vec![1.0, 2.0], vec![2.0, 3.0]]).is_none());
 }
 
-/// Weights 1 and 3: mean 2, variance of the mean over its square (20/16 - 1)/2.
+/// Checks the weights 1 and 3, whose mean is 2 with the relative variance (20/16 - 1)/2.
 #[test]
 fn the_mean_of_weights_has_the_error_of_their_scatter() {
     let (ln, error) = ln_mean(&[700.0, 700.0 + 3_f64.ln()]);
@@ -221,8 +222,8 @@ fn the_mean_of_weights_has_the_error_of_their_scatter() {
     );
 }
 
-/// The first step is the inverse of the golden ratio for one axis and of the plastic number for
-/// two.
+/// Checks that the first step is the inverse of the golden ratio for one axis and of the plastic
+/// number for two.
 #[test]
 fn points_of_one_axis_follow_the_golden_ratio() {
     assert!((recurrence_steps(1)[0] - 0.618_033_988_749_895).abs() < 1e-12);
@@ -240,8 +241,8 @@ fn skewed() -> Proposal {
     }
 }
 
-/// The density of a proposal integrates to one, and its points are distributed accordingly: a third
-/// of them are below the centre along the first axis, the share of the scale on that side.
+/// Checks that the density of a proposal integrates to one and that its points are distributed
+/// accordingly: along the first axis, with scales 1 and 2, a third of them are below the centre.
 #[test]
 fn points_of_a_proposal_are_distributed_by_its_density() {
     let proposal = skewed();
@@ -255,7 +256,7 @@ fn points_of_a_proposal_are_distributed_by_its_density() {
             below += if z[0] < 0.5 { share } else { 0.0 };
         }
     }
-    // about 1e-5 of t with four degrees of freedom is beyond ±60
+    // tolerance: about 1e-5 of t with four degrees of freedom is beyond ±60
     assert!((all - 1.0).abs() < 1e-3, "{all}");
     assert!((below - 1.0 / 3.0).abs() < 1e-3, "{below}");
     let steps = recurrence_steps(2);
@@ -265,22 +266,23 @@ fn points_of_a_proposal_are_distributed_by_its_density() {
     let share = |is_in: &dyn Fn(&[f64]) -> bool| {
         points.iter().filter(|z| is_in(z)).count() as f64 / points.len() as f64
     };
-    // evenly spread points: an error of some thousandths
+    // tolerance: evenly spread points have an error of about a thousandth
     assert!((share(&|z| z[0] < 0.5) - 1.0 / 3.0).abs() < 2e-3);
-    // half of the points on each side lie within 0.741, the quartile of t, times the scale of that
+    // half of the points on each side are within 0.741, the quartile of t, times the scale of that
     // side
     let quartile = t4_quantile(0.75);
     let within = share(&|z| z[0] > 0.5 - 1.5 * quartile && z[0] < 0.5 + 3.0 * quartile);
     assert!((within - 0.5).abs() < 2e-3, "{within}");
-    // along the second axis of the factor, too, a third of the points are below the centre
+    // along the second axis of the factor, with scales 0.5 and 1, also a third of the points are
+    // below the centre
     let along = |z: &[f64]| solved(&proposal.factor, &[z[0] - 0.5, z[1] + 1.0])[1];
     assert!((share(&|z| along(z) < 0.0) - 1.0 / 3.0).abs() < 2e-3);
     let row = proposal.covariances(1).unwrap();
     assert!((row[0] - 0.9).abs() < 1e-12 && (row[1] - 1.0).abs() < 1e-12);
 }
 
-/// Points are weighted against the mixture of all proposals: if the integrand is twice that
-/// mixture, every weight is two.
+/// Checks that points are weighted against the mixture of all proposals: if the integrand is twice
+/// that mixture, every weight is two.
 #[test]
 fn weights_are_ratios_to_the_mixture_of_proposals() {
     let proposals = [
@@ -304,8 +306,8 @@ fn weights_are_ratios_to_the_mixture_of_proposals() {
     }
 }
 
-/// A normal posterior has the scale of its standard deviation on either side and no ridge; beyond a
-/// bound of a relaxation time, where only the prior remains, there is a ridge.
+/// Checks that a normal posterior has its standard deviation as the scale on either side, and no
+/// ridge, and that there is a ridge where the data do not determine a share.
 #[test]
 fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
     let likelihood = |chi_square: f64| -0.5 * chi_square;
@@ -319,13 +321,13 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
             factor,
         };
         for scale in integrand.scales().iter().flatten() {
-            // a relaxation time known to some per cent: its logarithm is normal to the same
-            // accuracy
+            // tolerance: the relaxation time is known to some per cent, and the posterior of its
+            // logarithm is normal to the same accuracy
             assert!((0.9..1.2).contains(scale), "{scale}");
         }
         assert!(integrand.ridges().is_empty());
     });
-    // two branches for data of one branch: the data do not determine the share of the second
+    // two branches for data of one branch: the data do not determine the share of the second one
     let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.01, 1)];
     let two = Candidate::of(Law::TwoMaxwellBranches);
     about_the_peak(&two, &test, 0.0, |problem, probable, factor| {
@@ -348,8 +350,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
             let Some(next) = integrand.next_on_ridge(&first, axis, sign) else {
                 continue;
             };
-            // three standard deviations along the axis, whose standard deviation is one at the
-            // start
+            // the first step is three standard deviations, each 1 at the centre, along the axis
             let along = next.centre[axis];
             assert!((along - 3.0 * sign).abs() < 1e-9, "{along}");
             let Some(after) = integrand.next_on_ridge(&next, axis, sign) else {
@@ -361,11 +362,11 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
             followed += 1;
         }
         assert!(followed > axes, "{followed}");
-        // with proposals along the ridges, the error is small at the first attempt
+        // with proposals along the ridges, the error is below the requested 0.1
         let found = evidence(problem, probable, (&likelihood, 0.1)).unwrap();
         assert!(found.error < 0.1, "{found:?}");
     });
-    // without visible damping, a rate above that of the prior is excluded, a rate below is not
+    // without visible damping, the data exclude high rates and no low rates
     let test = [test_of(&Elastic, 0.02, 3)];
     let gurevich = Candidate::of(Law::GurevichRabinovich);
     about_the_peak(&gurevich, &test, 0.0, |problem, probable, factor| {
@@ -387,8 +388,8 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
     });
 }
 
-/// An integrand a hundred times as narrow as every proposal ends at the largest number of points,
-/// with a large error.
+/// Checks that the sampling of an integrand a hundred times as narrow as every proposal ends at the
+/// largest number of points, with a large error.
 #[test]
 fn an_integrand_that_no_proposal_meets_ends_with_a_large_error() {
     let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.01, 1)];

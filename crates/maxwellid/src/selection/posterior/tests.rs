@@ -1,4 +1,4 @@
-//! Starts, renewals of the excitation, and the choice between minima.
+//! Tests of the starts, of the convergence of χ², and of the choice between minima.
 
 use rodwave::inelastic::{Elastic, Maxwell};
 
@@ -14,8 +14,9 @@ fn a_misfit_is_settled_by_a_hundredth_of_evidence_or_a_ten_thousandth_of_itself(
     assert!(is_settled(10_000.0, 10_000.9) && !is_settled(10_000.0, 10_001.1));
 }
 
-/// If the noise hides the response, the misfit of a start is that of the prior, four at two
-/// standard deviations. The rest of the misfit varies with the inverse square of the noise.
+/// Checks that with a very high noise level the misfit of a start is that of the prior alone, 2² at
+/// two standard deviations, and that the misfit of the records is inversely proportional to the
+/// square of the noise level.
 #[test]
 fn a_start_is_judged_by_the_records_and_by_the_prior() {
     let test = test_of(&Elastic, 0.005, 3);
@@ -33,15 +34,16 @@ fn a_start_is_judged_by_the_records_and_by_the_prior() {
     assert!((misfit(1e9) - 4.0).abs() < 1e-9);
     let ratio = (misfit(0.1) - 4.0) / (misfit(0.2) - 4.0);
     assert!((ratio - 4.0).abs() < 1e-9, "{ratio}");
-    // at the start, the pulse of 8 m/s arrives late by a fraction of its length; at the true
-    // modulus it does not
+    // at the start the pulse of 8 m/s arrives at a wrong time, at the true modulus at the right
+    // time
     let at_truth = contest.rough_misfit(&[3e9_f64.ln()], &[0.1]).unwrap();
     let at_start = misfit(0.1);
     assert!(at_truth < 0.1 * at_start, "{at_truth} {at_start}");
 }
 
-/// A special case that leads to no better minimum is not taken, whatever its stated χ²; a case
-/// whose stated χ² is not better is not followed.
+/// Checks that a special case from which no better minimum is found does not replace the result,
+/// even if its stated χ² is 0, and that no search starts from a case whose stated χ² is not below
+/// the result.
 #[test]
 fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     let tests = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.005, 20)];
@@ -60,12 +62,12 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     let promised = [limiting(truth.clone(), 0.0)];
     let found = contest.likeliest(&probable, &promised).unwrap().unwrap();
     assert_eq!(found.of_case, None);
-    // the same minimum from two starts, each to a millionth of χ²
+    // the same minimum from two starts; tolerance: each is found to 1e-6 of χ²
     assert!((found.chi_square - alone.chi_square).abs() < 2.0 * REDUCTION * alone.chi_square);
     for (a, b) in found.parameters.iter().zip(&alone.parameters) {
         assert!((a - b).abs() < 1e-4, "{a} {b}");
     }
-    // a case whose stated χ² is not better than that of the fit is not followed
+    // no search starts from this case, whose stated χ² is that of the result
     let worse = [limiting(vec![0.0, 0.0], alone.chi_square)];
     let found = contest.likeliest(&probable, &worse).unwrap().unwrap();
     assert_eq!(found.parameters, alone.parameters);
