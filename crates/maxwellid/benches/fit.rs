@@ -1,12 +1,13 @@
-//! Whole identifications: the baseline is a least-squares routine of SciPy over a compiled solver
-//! in Python, which takes two to three seconds for the first of these.
+//! Benchmarks of complete identifications. For comparison: SciPy's least squares with a compiled
+//! solver, called from Python, takes two to three seconds for the first one.
 //!
 //! | benchmark | what it shows | aim on two cores |
 //! |---|---|---|
 //! | four tests, three parameters | a joint fit from scratch, solver error below 0.1 % of V0 | 0.1 s |
 //! | a hundred starts, two parameters | a tenth of a search from 1000 starts | 1 s |
-//! | one test, noise of both histories | errors in variables with the transfer of a nonlinear rod | |
-//! | responses of the four tests | the lower bound of a joint fit: the responses computed in one of its steps | |
+//! | one test, noise of both histories | a fit that also estimates the excitation of a nonlinear
+//! rod | |
+//! | responses of the four tests | the responses and derivatives of one step of the joint fit | |
 //! | five laws, two tests | a selection with its evidence | 0.3 s |
 //!
 //! The feature `rayon` spreads tests and starts over the cores. The number of tests in a fit and
@@ -47,7 +48,7 @@ fn fits(criterion: &mut Criterion) {
     group.bench_function("four tests, three parameters", |bencher| {
         bencher.iter(|| Fit::of(start).to(&tests).unwrap().parameters().to_vec());
     });
-    // on cells of 4 mm, the coarsest of a fit
+    // with cells of 4 mm, the default of a fit
     let problems = rods.each_ref().map(|rod| {
         let data = &rod.data;
         let cells = (data.length / 4e-3).ceil() as usize;

@@ -18,9 +18,9 @@ fn test(velocity: f64, temperature: f64, seed: u64) -> RodTest {
     noisy(&by_the_chain(&law, velocity), 0.01, seed)
 }
 
-/// Law, parameters at the reference temperature and activation energy are recovered from three
-/// tests at two temperatures within their errors; without their temperatures, the same tests do not
-/// agree with a Norton rod.
+/// Checks that the law, its parameters at the reference temperature and the activation energy are
+/// found from three tests at two temperatures within their errors, and that no law is named if the
+/// temperatures are ignored.
 #[test]
 fn an_activation_energy_is_found_with_the_law() {
     let conditions = [(5.0, 293.15), (20.0, 293.15), (10.0, 318.15)];
@@ -42,7 +42,7 @@ fn an_activation_energy_is_found_with_the_law() {
     let named = comparison.law().unwrap();
     assert_eq!(named.law, Some(Law::Norton), "{:?}", comparison.decision);
     assert!(named.adequacy.unwrap() > 1e-3);
-    // the rates differ by a factor of 13
+    // with laws that do not depend on the temperature: the true rates differ by a factor of 13
     let without = compared(laws.map(Candidate::of).to_vec());
     assert!(without.law().is_none(), "{:?}", without.decision);
 

@@ -1,5 +1,5 @@
-//! Nonlinear laws with an equilibrium: identified where the data require them, with errors of
-//! correct coverage.
+//! Tests of nonlinear laws with an equilibrium: they are named where the data require them, and
+//! their errors have the right size.
 
 use crate::virtual_tests;
 
@@ -13,7 +13,8 @@ use virtual_tests::{
     with_spring,
 };
 
-/// Noise divided by V0. With 1 % the law without a spring keeps 6 % of the probability in one draw.
+/// Noise divided by V0. With 1 % the law without a spring has a probability of 6 % in one draw, so
+/// that it is not excluded.
 const NOISE: f64 = 0.005;
 
 fn norton(rate: f64) -> MaxwellNorton {
@@ -29,7 +30,7 @@ fn score(estimate: &Estimate, truth: f64) -> f64 {
     off / estimate.standard_error
 }
 
-/// The same law at 3 and at 27 m/s.
+/// Returns a rod of one law at 3 and at 27 m/s.
 fn at_two_velocities(of: impl Fn(f64) -> Exact) -> [Exact; 2] {
     [of(3.0), of(27.0)]
 }
@@ -54,8 +55,9 @@ fn left(comparison: &Comparison) -> Vec<Law> {
     laws.collect()
 }
 
-/// A third and three fifths of the modulus in the spring: with three fifths Norton's law alone fits
-/// the data with a misfit of some per cent, and would be named if no candidate had an equilibrium.
+/// Checks that the law of a solid with 0.3 or 0.6 of the modulus in the spring is named. With 0.6
+/// Norton's law alone has an adequacy of some per cent, and would be named if no candidate had an
+/// equilibrium.
 #[test]
 fn a_solid_with_an_equilibrium_is_named() {
     for share in [0.3, 0.6] {
@@ -67,7 +69,8 @@ fn a_solid_with_an_equilibrium_is_named() {
     }
 }
 
-/// A law without a spring is still named, or in question together with the law that contains it.
+/// Checks that a law without a spring is named, or remains in question together with the law that
+/// contains it.
 #[test]
 fn a_law_without_an_equilibrium_is_not_lost() {
     let exact = at_two_velocities(|velocity| by_the_chain(&norton(8.0), velocity));
@@ -83,8 +86,8 @@ fn a_law_without_an_equilibrium_is_not_lost() {
     }
 }
 
-/// The mean square of the errors of each parameter in standard errors is about 1 over 20 draws;
-/// errors of shares and rates are those of their logarithms.
+/// Checks that the mean square of error over standard error of each parameter is about 1 over 20
+/// draws.
 #[test]
 fn errors_of_a_solid_cover() {
     fn scores<L: InelasticLaw>(law: &L, share: f64, truth: [f64; 4]) -> Vec<[f64; 4]> {
@@ -109,13 +112,14 @@ fn errors_of_a_solid_cover() {
     for parameter in 0..4 {
         let squares = found.iter().map(|scores| scores[parameter].powi(2));
         let mean = squares.sum::<f64>() / count;
-        // 20 squares have a mean of 1 ± 0.32; the limits are three of these
+        // tolerance: the mean of 20 squares has a standard deviation of 0.32
         assert!((0.2..2.0).contains(&mean), "{parameter}: {mean} {found:?}");
     }
 }
 
-/// Checks the scores of the quantities over 4 draws, for the linear `material` in parallel with a
-/// Norton branch of modulus [`MODULUS`], computed by `rodwave::line` at two velocities.
+/// Checks the errors of the quantities in `truths` over 4 draws, for the linear `material` in
+/// parallel with a Norton branch of modulus [`MODULUS`], computed by `rodwave::line` at two
+/// velocities.
 fn check_beside_a_branch(material: &GeneralisedMaxwell, law: Law, truths: &[(&str, f64)]) {
     let branch = (MODULUS, norton(60.0));
     let exact = at_two_velocities(|velocity| beside_a_branch(material, branch, velocity));
@@ -134,20 +138,22 @@ fn check_beside_a_branch(material: &GeneralisedMaxwell, law: Law, truths: &[(&st
     for (index, (symbol, _)) in truths.iter().enumerate() {
         let squares = found.iter().map(|scores| scores[index].powi(2));
         let mean = squares.sum::<f64>() / found.len() as f64;
-        // four squares have a mean of 1 ± 0.71; the limit is three of these
+        // tolerance: the mean of four squares has a standard deviation of 0.71, and the limit is 1
+        // plus three of these
         assert!(mean < 3.1, "{law:?}, {symbol}: {mean} {found:?}");
     }
 }
 
-/// A flat loss factor of 0.05, made of 22 branches. E is not compared: the two spectra end at
-/// different frequencies.
+/// Checks a flat loss factor of 0.05, simulated with 22 branches. E is not compared, because the
+/// branches of the simulation and of the law end at different frequencies.
 #[test]
 fn a_flat_loss_beside_a_nonlinear_branch_is_recovered() {
     let truths = [("tan delta", 0.05), ("kappa", 2.0), ("F(10 MPa)", 60.0)];
     check_beside_a_branch(&constant_q_stack(0.05), Law::FlatLossAndNorton, &truths);
 }
 
-/// A spring, a linear branch of 20 us and Norton's branch.
+/// Checks a spring, a linear branch with a relaxation time of 20 us and Norton's branch in
+/// parallel.
 #[test]
 fn an_equilibrium_a_fast_branch_and_a_nonlinear_one_are_recovered() {
     let fast = MaxwellBranch {

@@ -1,5 +1,5 @@
-//! Claims of the crate `maxwellid`: laws from two velocity histories, of virtual rods simulated by
-//! another solver.
+//! Claims of the crate `maxwellid`: laws identified from two velocity histories of virtual rods,
+//! simulated by another solver.
 
 mod errors;
 mod identification;

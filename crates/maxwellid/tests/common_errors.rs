@@ -1,5 +1,5 @@
-//! Errors of rods and transducers that are the same for many samples: coverage, errors that tests
-//! share, and transducers with errors beyond the stated ones.
+//! Tests of common errors of rods and transducers: coverage of the intervals, errors that tests
+//! share, and transducers with errors above the stated ones.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +27,7 @@ fn rod(length: f64, velocity: f64) -> VirtualRod {
 }
 
 /// The records of `rod` with a stated length of `1 + length` times the true one, and with a
-/// response that is `gain` times the motion and recorded `delay` late.
+/// response that is multiplied by `gain` and delayed by `delay` \[s\].
 fn recorded(rod: &VirtualRod, length: f64, (gain, delay): (f64, f64), seed: u64) -> RodTestData {
     let mut data = rod.data.clone();
     let history = SampledHistory::new(&data.response, RATE).unwrap();
@@ -59,7 +59,7 @@ fn fitted(tests: &[RodTest]) -> Identification<Maxwell> {
     Fit::of(Maxwell::new(1e6).unwrap()).to(tests).unwrap()
 }
 
-/// Errors of E and eta in their standard errors.
+/// Errors of E and eta divided by their standard errors.
 fn scores(found: &Identification<Maxwell>) -> [f64; 2] {
     let estimates = found.identifiability(Noise::Stated).unwrap().estimates;
     let of = |symbol: &str, truth: f64| {
@@ -70,9 +70,10 @@ fn scores(found: &Identification<Maxwell>) -> [f64; 2] {
     [of("E", MODULUS), of("eta", VISCOSITY)]
 }
 
-/// Three rods, each with its own error of length, and one pair of transducers for all. The mean
-/// square of 2 x 24 scores has a standard deviation of 0.2; without the stated errors the mean
-/// square is some hundred.
+/// Checks that the mean square of error over standard error is about 1 for three rods, each with
+/// its own error of length, and one pair of transducers for all. Tolerance: the mean square of 2 x
+/// 24 scores has a standard deviation of 0.2. Without the stated errors the mean square is some
+/// hundred.
 #[test]
 fn intervals_cover_errors_of_lengths_and_transducers() {
     let rods = [0.2, 0.3, 0.4].map(|length| rod(length, V0));
@@ -107,7 +108,7 @@ fn intervals_cover_errors_of_lengths_and_transducers() {
 }
 
 /// Records of a thin rod of constant Q, by the closed form 1/cosh(γL) on the line s = σ + iω. The
-/// impact rises within 60 us, so that it has no content above half of the sampling rate.
+/// impact rises within 60 us, so that its spectrum is negligible above half of the sampling rate.
 fn closed_form(length: f64) -> RodTestData {
     const PERIOD: usize = 1024;
     const SAMPLES: usize = 220;
@@ -147,9 +148,9 @@ fn closed_form(length: f64) -> RodTestData {
     }
 }
 
-/// Rods with errors of their lengths far above the noise: the fit settles, and finds the lengths
-/// relative to each other. Linearised about the stated lengths, it would alternate between two
-/// minima.
+/// Checks that the fit converges for rods whose lengths have errors far above the noise, and finds
+/// the lengths relative to each other. A fit linearised about the stated lengths would alternate
+/// between two minima.
 #[test]
 fn errors_of_lengths_far_above_the_noise_are_followed() {
     let (noise, stated) = (0.02, 2e-3);
@@ -179,14 +180,15 @@ fn errors_of_lengths_far_above_the_noise_are_followed() {
     assert!(!found.flags().contains(&FitFlag::Unsettled));
     let values: Vec<f64> = found.common_errors().iter().map(|e| e.value).collect();
     for (pair, truth) in values.windows(2).zip(errors.windows(2)) {
-        // the error due to noise is about 3e-5
+        // tolerance: five times the error due to noise, about 3e-5
         let (found, truth) = (pair[0] - pair[1], truth[1] - truth[0]);
         assert!((found - truth).abs() < 1.5e-4, "{found} for {truth}");
     }
 }
 
-/// E is proportional to the square of the length: ±0.4 % in length is ±0.8 % in E for one rod,
-/// however often it is struck, and half as much for four rods.
+/// Checks that tests share the error of the length of one rod. E is proportional to the square of
+/// the length: ±0.4 % in length is ±0.8 % in E for four tests of one rod, and half as much for one
+/// test of each of four rods.
 #[test]
 fn tests_of_one_rod_share_the_error_of_its_length() {
     let rod = rod(0.3, V0);
@@ -203,7 +205,7 @@ fn tests_of_one_rod_share_the_error_of_its_length() {
         found.estimates[0].standard_error
     };
     let (one, four) = (error_of(["A"; 4]), error_of(["A", "B", "C", "D"]));
-    // noise adds to both; without errors of length the standard error is about 0.05 %
+    // tolerance: the noise adds about 0.05 % to the standard errors, as squares
     assert!((one - 8e-3).abs() < 1e-4, "{one}");
     assert!((four - 4e-3).abs() < 1e-4, "{four}");
 }

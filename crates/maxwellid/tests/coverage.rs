@@ -1,4 +1,4 @@
-//! Noise on both histories of a rod that is elastic.
+//! Test of fits to an elastic rod with noise on both histories.
 
 use crate::virtual_rod;
 
@@ -11,10 +11,10 @@ const LENGTH: f64 = 0.4;
 /// Noise of either history: 1 % of V0.
 const NOISE: f64 = 0.1;
 
-/// The printed parameters of polypropylene in Table 4, taken literally, are those of an elastic
-/// rod. From records with noise on both histories no parameter other than E may be identified, and
-/// some searches end at a bound. A fault that identifies another parameter in a fifth of such
-/// records is missed by twelve records with a probability of 7 %.
+/// Checks that no parameter other than E is identified from records of a rod with the printed
+/// parameters of polypropylene (Ödeen 1993, paper D, Table 4), which taken literally are those of
+/// an elastic rod, and that some searches end at a bound. If a fault identified another parameter
+/// in a fifth of such records, these twelve records would miss it with a probability of 7 %.
 #[test]
 fn noise_on_both_histories_is_no_law() {
     let truth = MaxwellNorton::new(2.108, 38.16e18).unwrap();

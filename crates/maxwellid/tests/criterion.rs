@@ -1,5 +1,5 @@
-//! The criterion of paper D, computed here from the two velocity histories: pattern, vectors, sum
-//! of squares, gradient, error.
+//! The criterion of paper D, computed here from the two velocity histories: pattern, sum of
+//! squares, gradient and error.
 
 use crate::virtual_rod;
 
@@ -21,7 +21,7 @@ fn records<L: InelasticLaw>(law: &L) -> [RodTestData; 2] {
         .map(|(length, seed)| struck(length, V0, MODULUS, law, 96).noisy(0.02, seed))
 }
 
-/// v_r^s of eq. 11 and its derivatives, computed by the direct problem alone.
+/// Simulated response v_r^s of eq. 11 and its derivatives, by the direct problem.
 fn simulated<L: InelasticLaw>(data: &RodTestData, modulus: f64, law: &L, n: usize) -> Response {
     let excitation = SampledHistory::new(&data.excitation, RATE).unwrap();
     let rod = InelasticRod::new(data.length, DENSITY, modulus, law.clone()).unwrap();
@@ -32,7 +32,8 @@ fn simulated<L: InelasticLaw>(data: &RodTestData, modulus: f64, law: &L, n: usiz
         .unwrap()
 }
 
-/// H of eq. 12 and N of the error δ, over the first samples of each record that the test compares.
+/// Sum of squares H of eq. 12 and number N of samples, over the samples of each record that a fit
+/// compares.
 fn criterion<L: InelasticLaw>(records: &[RodTestData], modulus: f64, law: &L) -> (f64, f64) {
     records.iter().fold((0.0, 0.0), |(sum, count), data| {
         let n = RodTest::new(data.clone()).unwrap().response().len();
@@ -46,8 +47,8 @@ fn criterion<L: InelasticLaw>(records: &[RodTestData], modulus: f64, law: &L) ->
     })
 }
 
-/// The sum of squares of eq. 12, the error δ below Table 4, and the minimum of H at the identified
-/// parameters (Ödeen 1993, paper D, eqs. 10, 11 and 12).
+/// Checks that the identified parameters minimise the sum of squares H, and that the residual of
+/// the fit is the error δ of Table 4 (Ödeen 1993, paper D, eqs. 10, 11 and 12).
 #[test]
 fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     let records = records(&Maxwell::new(4e6).unwrap());
@@ -60,7 +61,7 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
         .to(&tests)
         .unwrap();
     let estimates = fit.identifiability(Noise::FromResidual).unwrap().estimates;
-    // errors of the logarithms
+    // standard errors of the values, from those of the logarithms
     let [(modulus, of_modulus), (viscosity, of_viscosity)] = [0, 1].map(|index| {
         let estimate = &estimates[index];
         (estimate.value, estimate.value * estimate.standard_error)
@@ -70,19 +71,19 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     };
     let (least, count) = at(modulus, viscosity);
     let delta = (least / count).sqrt() / V0;
-    // both run the same march, so that only the rounding of some hundred steps differs, relative to
-    // a residual of 2e-3
+    // tolerance: both compute the same response, up to the rounding of some hundred steps relative
+    // to a residual of 2e-3
     assert!(
         (delta / fit.relative_error() - 1.0).abs() < 1e-9,
         "{delta} {}",
         fit.relative_error()
     );
-    // 2e-3 of the response itself, and twice that of the excitation for each of up to eight
-    // arrivals of the wave at the free end of the short rod within the window
+    // between the noise of the response, 2e-3, and its sum of squares with the doubled noise of the
+    // excitation at each of up to eight arrivals at the free end of the short rod: √(1 + 8 · 4)
     assert!((2e-3..2e-3 * 33f64.sqrt()).contains(&delta), "{delta}");
-    // Distance of the bottom of a parabola, through three points a twentieth of a standard error
-    // apart, from the end of the search. The search ends where a step would lower H by less than
-    // 1e-10 of itself, which is about 1e-4 standard errors for some hundred samples.
+    // distance of the end of the search from the vertex of a parabola through three points a
+    // twentieth of a standard error apart; tolerance: the search ends where a step would reduce H
+    // by less than 1e-10 of itself, which is about 1e-4 standard errors for some hundred samples
     let part = 0.05;
     for step in [(part * of_modulus, 0.0), (0.0, part * of_viscosity)] {
         let side = |sign: f64| at(modulus + sign * step.0, viscosity + sign * step.1).0;
@@ -93,8 +94,8 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     }
 }
 
-/// Gradient away from the minimum (Ödeen 1993, paper D, eq. 13): 2 Σ (∂v/∂p)ᵀ (v - measured) is
-/// compared with central differences of eq. 12.
+/// Compares the gradient away from the minimum, 2 Σ (∂v/∂p)ᵀ (v - measured) (Ödeen 1993, paper D,
+/// eq. 13), with central differences of eq. 12.
 #[test]
 fn gradient_is_that_of_the_sum_of_squares() {
     let records = records(&MaxwellNorton::new(2.0, 4e13).unwrap());
@@ -116,7 +117,8 @@ fn gradient_is_that_of_the_sum_of_squares() {
                 .map(|(slope, (simulated, measured))| 2.0 * slope * (simulated - measured))
                 .sum()
         });
-        // from (ln E, κ, ln r) of the solver to (E, κ, B) of the paper, by ln r = κ ln σ_ref - ln B
+        // derivatives with respect to (E, κ, B) of the paper from those with respect to (ln E, κ,
+        // ln r) of the solver, by ln r = κ ln σ_ref - ln B
         let reference = law(&at).reference_stress().ln();
         gradient[0] += by_modulus / at[0];
         gradient[1] += by_exponent + reference * by_rate;
@@ -129,8 +131,8 @@ fn gradient_is_that_of_the_sum_of_squares() {
             criterion(&records, p[0], &law(&p)).0
         };
         let difference = (side(1.0) - side(-1.0)) / (2e-4 * at[index]);
-        // the error of the differences is (1e-4)² times a third derivative: some hundreds for E, up
-        // to (κ ln σ_ref)² = 1e3 for κ
+        // tolerance: the relative error of the differences is (1e-4)² times a third derivative of
+        // some hundreds for E and up to (κ ln σ_ref)² = 1e3 for κ
         assert!(
             (difference / gradient[index] - 1.0).abs() < 1e-4,
             "{index}: {difference} {}",
@@ -139,7 +141,7 @@ fn gradient_is_that_of_the_sum_of_squares() {
     }
 }
 
-/// The pattern is |v_e - v_r| or v_e - v_r, divided by V0 (Ödeen 1993, paper D, eq. 9).
+/// Checks that the pattern is |v_e - v_r| or v_e - v_r, divided by V0 (Ödeen 1993, paper D, eq. 9).
 #[test]
 fn pattern_is_the_difference_of_the_two_velocities() {
     let [data, _] = records(&Maxwell::new(4e6).unwrap());

@@ -1,4 +1,5 @@
-//! Properties of every struck rod, and numbers at the ends of the floating-point range.
+//! Tests of properties that every struck rod has, and of arguments at the ends of the
+//! floating-point range.
 
 mod extremes_values;
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
@@ -15,7 +16,8 @@ pub(crate) const MODULUS: f64 = 2.6e9;
 pub(crate) const RATE: f64 = 51_200.0;
 pub(crate) const V0: f64 = 10.0;
 
-/// A history with a rise over eight samples after 32 samples of rest, and a slow wave on top.
+/// Returns an excitation that rises over eight samples after 32 samples at rest, and then varies
+/// slowly by 10 %.
 pub(crate) fn excitation(velocity: f64) -> Vec<f64> {
     (0..176)
         .map(|k| {
@@ -41,7 +43,8 @@ pub(crate) fn data(velocity: f64, response: Vec<f64>) -> RodTestData {
     }
 }
 
-/// A test whose response is the model's own, on a grid that nothing else uses.
+/// Returns a test whose response is computed by the model itself, with cells of 3 mm that no fit
+/// uses.
 pub(crate) fn test_of(model: &impl RodModel, parameters: &[f64], velocity: f64) -> RodTest {
     let excitation = excitation(velocity);
     let frame = RodTest::new(data(velocity, vec![0.0; excitation.len()])).unwrap();

@@ -1,5 +1,5 @@
-//! Identification of virtual tests made by the lumped chain and the striker, and the tests and
-//! results that it must refuse or flag.
+//! Identification of virtual tests simulated by the lumped chain, and tests and results that must
+//! be refused or flagged.
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Noise, Provenance, RodTest, RodTestData,
@@ -12,7 +12,7 @@ use rodwave::{DirectProblem, InelasticRod, characteristics, lumped};
 
 use crate::virtual_rod::{DENSITY, LENGTH, RATE, V0, struck, times};
 
-/// Data of the lumped chain, driven by the excitation as it was before sampling.
+/// A test simulated by the lumped chain, which is driven by the excitation before sampling.
 fn independent_test<L: InelasticLaw>(modulus: f64, law: &L) -> RodTest {
     RodTest::new(struck(LENGTH, V0, modulus, law, 128).data).unwrap()
 }
@@ -31,7 +31,8 @@ fn ratio_error(found: f64, expected: f64) -> f64 {
     (found / expected - 1.0).abs()
 }
 
-/// Data of the inverting solver itself, as in the appendix of paper D.
+/// Checks that the parameters of data from the inverting solver itself are recovered to rounding,
+/// as in the appendix of paper D.
 #[test]
 fn a_round_trip_ends_at_rounding() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
@@ -60,8 +61,7 @@ fn a_round_trip_ends_at_rounding() {
 
 #[test]
 fn independent_data_without_noise_give_the_parameters_of_each_law() {
-    // the remaining errors are those of the grid, 1e-4 of V0, and of the interpolation of the
-    // excitation
+    // tolerance: errors of the grid, 1e-4 of V0, and of the interpolation of the excitation
     let fit = Fit::of(Maxwell::new(1e6).unwrap())
         .with_accuracy(1e-4)
         .to(&[independent_test(3.056e9, &Maxwell::new(11.12e6).unwrap())])
@@ -90,7 +90,7 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
             cutoff_hz: rate_hz * 16.0 / 51.2,
         },
         samples_before: 32,
-        // samples in 2.5 ms
+        // 2.5 ms
         samples_after: (2.5e-3 * rate_hz) as usize,
         transducer_range: 0.020,
     };
@@ -123,9 +123,9 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
 fn a_filter_after_a_nonlinear_rod_biases_its_exponent_until_it_passes_the_front() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
     let at = |factor: f64| exponent_through_recorder(factor * 51_200.0, &truth);
-    // The bias is not a defect of the inversion: it depends on the rise time of the filter.
-    // Measured: 1.38, 1.85, 1.97, each the same to 0.01 on grids of half the cell. (A cell of 4 mm
-    // at the highest rate gives 2.07, with an error of its own and twice the residual.)
+    // the bias depends on the rise time of the filter: the exponents are 1.38, 1.85 and 1.97, and
+    // change by less than 0.01 on grids of half the cell (a cell of 4 mm at the highest rate gives
+    // 2.07, with twice the residual)
     let exponents = [at(1.0), at(4.0), at(16.0)];
     assert!(exponents[0] < 2.108 - 0.5, "{exponents:?}");
     assert!(exponents[1] > exponents[0] + 0.2, "{exponents:?}");
@@ -138,7 +138,7 @@ fn standard_errors_scale_with_the_noise() {
     let test = independent_test(3.209e9, &Maxwell::new(4e6).unwrap());
     let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap();
     let at = |noise| fit.identifiability(Noise::Known(noise)).unwrap().estimates[1].standard_error;
-    // a linearised error is proportional to the noise, to rounding
+    // a linearised error is proportional to the noise; tolerance: rounding
     assert!((at(0.04) / at(0.02) - 2.0).abs() < 1e-12);
     // the residual of the fit is the lower limit of the noise
     let floor = fit.identifiability(Noise::Known(0.0)).unwrap();
@@ -206,7 +206,7 @@ fn bad_tests_are_refused_with_the_name_and_the_value() {
 
 #[test]
 fn a_report_says_what_was_learnt_and_what_was_not() {
-    // only the words are compared; the digits are tested elsewhere
+    // only the words are compared: every digit becomes 0
     let words = |text: String| text.replace(|c: char| c.is_ascii_digit(), "0");
     let damped = independent_test(3.209e9, &Maxwell::new(4e6).unwrap());
     let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[damped]).unwrap();

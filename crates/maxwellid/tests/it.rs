@@ -1,4 +1,4 @@
-//! Integration tests of maxwellid: one program, a module for each subject.
+//! Integration tests of maxwellid, in one program with a module for each subject.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,

@@ -1,6 +1,6 @@
-//! Rods of finite diameter, compared with a Galerkin solution of Love's equation over time: modes in
-//! space, the law itself at points, and Runge-Kutta steps. It shares neither transforms nor a grid
-//! of waves with the program.
+//! Comparison of rods of finite diameter with a Galerkin solution of Love's equation in the time
+//! domain: modes in space, the law evaluated at points, and Runge-Kutta steps. This solution shares
+//! neither transforms nor characteristics with the crate.
 
 use maxwellid::linear::{LinearModel, MaxwellBranches};
 use maxwellid::{
@@ -15,26 +15,28 @@ use crate::virtual_rod::{RATE, add_noise, times};
 const LENGTH: f64 = 0.3;
 const DENSITY: f64 = 910.0;
 const MODULUS: f64 = 0.9e9;
-/// ν²D²/8 for 12 mm and ν = 0.45, a soft polymer.
+/// Lateral inertia ν²D²/8 \[m²\] of a soft polymer, ν = 0.45, with a diameter of 12 mm.
 const INERTIA: f64 = 0.45 * 0.45 * 12e-3 * 12e-3 / 8.0;
 const VELOCITY: f64 = 8.0;
 const SAMPLES: usize = 180;
 const WANTED: usize = SAMPLES - SampledHistory::HALF_WIDTH;
 
-/// A pulse whose spectrum has fallen to 1 % at 18 kHz, and a slow motion after it.
+/// Velocity of the excitation: a pulse whose spectrum has fallen to 1 % at 18 kHz, followed by a
+/// slow motion.
 fn excitation(time: f64) -> f64 {
     let samples = time * RATE - 30.0;
     let slow = 1.0 / (1.0 + (-(samples - 30.0) / 5.0).exp());
     VELOCITY * ((-(samples / 2.0).powi(2)).exp() + 0.2 * slow)
 }
 
-/// Material: a spring with this share of the modulus, in parallel with a branch of a law.
+/// A spring with the share `spring` of the modulus, in parallel with a branch of `law`.
 struct Material<'a, L> {
     spring: f64,
     law: &'a L,
 }
 
-/// Numbers of modes and of points. Modes of 1.5 mm wavelength move at the highest frequency c/r.
+/// Numbers of modes and of points. The shortest mode has a wavelength of 3.8 mm and nearly the
+/// highest possible angular frequency, c/r.
 const MODES: usize = 160;
 const POINTS: usize = 400;
 
@@ -62,7 +64,8 @@ fn integrated<L: InelasticLaw>(material: &Material<'_, L>) -> Vec<f64> {
         let each = moved.iter().zip(&numbers).zip(&masses);
         each.map(|((u, k), mass)| u - v / (k * mass)).collect()
     };
-    // the state: aₙ + v_e/(kₙmₙ) of each mode, stress of spring and branch at each point
+    // the state contains aₙ + v_e/(kₙmₙ) of each mode, and the stresses of spring and branch at
+    // each point
     let rates = |state: &[f64], time: f64| -> Vec<f64> {
         let (moved, stresses) = state.split_at(MODES);
         let (spring, branch) = stresses.split_at(POINTS);
@@ -133,7 +136,7 @@ fn modelled(model: &dyn RodModel, parameters: &[f64], lateral_inertia: f64) -> V
     model.response(&rod, parameters).unwrap()
 }
 
-/// Root mean square of the difference, relative to the velocity.
+/// Root mean square of the difference, divided by [`VELOCITY`].
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
     (squares / a.len() as f64).sqrt() / VELOCITY
@@ -147,8 +150,8 @@ fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 70.0, 10e6).unwrap()
 }
 
-/// Lateral inertia changes the response by more than 1 % of the velocity. The errors of the modes
-/// and of the interpolation between samples are 0.03 %.
+/// Compares linear rods. Lateral inertia changes the response by more than 1 % of the velocity;
+/// tolerance: the errors of the modes and of the interpolation between samples are 0.03 %.
 #[test]
 fn linear_rods_are_those_of_loves_equation() {
     let thick = integrated(&Material {
@@ -167,13 +170,13 @@ fn linear_rods_are_those_of_loves_equation() {
     }
 }
 
-/// Nonlinear rods on cells of 0.5 mm, a hundredth of the shortest wave: the error is less than 3 %
-/// of the effect of lateral inertia.
+/// Compares nonlinear rods. With cells of 0.5 mm, a hundredth of the shortest wavelength, the error
+/// is less than 3 % of the effect of lateral inertia.
 #[test]
 fn nonlinear_rods_are_those_of_loves_equation() {
     let single = RodModel::parameters(&norton(), MODULUS);
     let solid = BranchedRod::standard_solid(norton(), "solid");
-    // half of the modulus in either branch
+    // half of the modulus in the spring, half in the branch
     let branched = [&[MODULUS.ln(), 0.0], &single[1..]].concat();
     let cases: [(&dyn RodModel, &[f64], f64); 2] =
         [(&norton(), &single, 0.0), (&solid, &branched, 0.5)];
@@ -186,11 +189,12 @@ fn nonlinear_rods_are_those_of_loves_equation() {
     }
 }
 
-/// True over stated lateral inertia minus 1, for a Poisson's ratio that is 8 % too large.
+/// True over stated lateral inertia minus 1, for a stated Poisson's ratio that is 8 % too large.
 const TOO_LARGE: f64 = 1.0 / (1.08 * 1.08) - 1.0;
 
-/// A fit to records of a thick rod, with a Poisson's ratio that is 8 % too large and stated with 5
-/// %: the truth lies within the errors. The fit of a thin rod is off by many of them.
+/// Checks that the fit to records of a thick rod is right within its errors if the stated Poisson's
+/// ratio is 8 % too large and has an uncertainty of 5 %, and that E of a fit with a thin rod is off
+/// by more than five standard errors.
 #[test]
 fn a_fit_allows_for_lateral_inertia_and_its_error() {
     let law = norton();
@@ -238,7 +242,7 @@ fn a_fit_allows_for_lateral_inertia_and_its_error() {
         squares += score * score;
         assert!(inertia.abs() < 3.0, "{inertia}");
     }
-    // 6 degrees of freedom: above 18.5 with a probability of 0.5 %
+    // tolerance: chi-square with 6 degrees of freedom exceeds 18.5 with a probability of 0.5 %
     assert!(squares < 18.5, "{squares}");
     let (score, _) = fitted(0.0, 0.0, 0);
     assert!(score.abs() > 5.0, "{score}");

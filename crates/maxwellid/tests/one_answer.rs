@@ -1,4 +1,4 @@
-//! The estimate, its errors and its profile belong to one minimum.
+//! Tests that estimate, errors and profiles belong to one minimum.
 
 use crate::virtual_tests;
 
@@ -9,7 +9,8 @@ use maxwellid::{Fit, Law, MaxwellidError, Noise, RodModel, RodTest, Verdict};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use virtual_tests::{MODULUS, by_the_chain, in_order, in_parallel, noisy, rounded};
 
-/// Tests at one velocity with two per cent of noise have several flat minima.
+/// Checks that an estimate is the minimum of its profiles, for tests at one velocity with 2 % of
+/// noise, for which χ² has several flat minima.
 #[test]
 fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -31,10 +32,9 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
                 .curve
                 .iter()
                 .fold(0.0, |low, p| f64::min(low, p.rise));
-            // a thirtieth of the threshold of 3.84
+            // tolerance: a fortieth of the threshold of 3.84
             assert!(lowest > -0.1, "{seed}: {} {lowest}", profile.parameter);
-            // an identified parameter has a closed interval, which is about four standard errors
-            // wide
+            // an identified parameter has a closed interval of about 2 × 1.96 standard errors
             let error = judged.coordinate_errors[index];
             if judged.estimates[index].verdict == Verdict::Identified {
                 let width = profile.upper.unwrap() - profile.lower.unwrap();
@@ -45,9 +45,9 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
     });
 }
 
-/// The response is linear in the rate and not in its reciprocal: an error that is symmetric about
-/// the viscosity ends below the interval of the profile, and low viscosities would be missed more
-/// often than stated.
+/// Checks that the error of a viscosity reaches both ends of its profile interval. The response is
+/// nearly linear in the rate, the reciprocal of the viscosity: the interval of a linearised error,
+/// symmetric about the viscosity, would end below the upper end of the profile.
 #[test]
 fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
     let exact = by_the_chain(&Maxwell::new(4e6).unwrap(), 10.0);
@@ -66,7 +66,7 @@ fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
         let high = 10e6 / profiles[1].lower.unwrap().exp();
         let half = 1.96 * viscosity.standard_error * viscosity.value;
         assert!(viscosity.value - half <= low, "{seed}");
-        // 1.96 is rounded to three digits
+        // tolerance: 1.96 is rounded to three digits
         let reach = half / (high - viscosity.value);
         assert!((0.999..1.001).contains(&reach), "{seed}: {reach}");
         let linear = judged.coordinate_errors[1];
@@ -74,8 +74,8 @@ fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
     }
 }
 
-/// The fit starts in a valley with the wrong exponent and rate; a profile finds a lower point, and
-/// the fit continues from it.
+/// Checks that a fit that ends in a minimum with a wrong exponent and rate continues from a lower
+/// point of its profiles.
 #[test]
 fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -83,7 +83,7 @@ fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     let tests = [noisy(&exact, 0.01, 9)];
     let candidate = Candidate::of(Law::Norton);
     let at_truth = vec![2.6e9_f64.ln(), 2.0, 8.0_f64.ln()];
-    // a fit that starts where no wave is damped, and one that also starts at the truth
+    // one fit starts from a law without damping, the other one also from the truth
     let lost = MaxwellNorton::from_reference_rate(0.2, 1e-18, 10e6).unwrap();
     let alone = Fit::of(lost).starting_from(2.6e9).with_cell(8e-3);
     let far = alone.to(&tests).unwrap();
@@ -94,10 +94,10 @@ fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     assert!(found.ratio_to_noise() < near.ratio_to_noise() + 0.01);
 }
 
-/// The weights and the most likely excitation are those of the estimate, whatever a fit starts
-/// from: with the weights and excitations of the starts, the usual starts would lead to exponents
-/// of 0.79, 1.10 and 0.74 for these seeds, and starts at the true exponent of 2.0 to 2.53, 1.74 and
-/// 1.89.
+/// Checks that fits from different starts end at one estimate, because weights and excitation are
+/// re-estimated at the estimate. With weights and excitations estimated at the starts, the usual
+/// starts would lead to exponents of 0.79, 1.10 and 0.74 for these seeds, and starts at the true
+/// exponent of 2.0 to 2.53, 1.74 and 1.89.
 #[test]
 fn r13_two_starts_lead_to_one_estimate() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -111,7 +111,7 @@ fn r13_two_starts_lead_to_one_estimate() {
         let judged = own.identifiability(Noise::Stated).unwrap();
         for (index, error) in judged.coordinate_errors.iter().enumerate() {
             let apart = (own.parameters()[index] - other.parameters()[index]) / error;
-            // the alternation ends when the parameters move by less than 0.05 standard errors
+            // tolerance: each fit ends when the parameters change by less than 0.05 standard errors
             assert!(apart.abs() < 0.2, "{seed}: {index} {apart}");
             let truth = [2.6e9_f64.ln(), 2.0, 8.0_f64.ln()][index];
             let off = (own.parameters()[index] - truth) / error;
@@ -152,9 +152,9 @@ fn r10_one_recording_is_not_two_tests() {
     assert!(fit.to(&[test, other]).is_ok());
 }
 
-/// With a flat striker the filter of the recorder biases the estimate of a Norton rod, and the
-/// estimate changes on a narrower band; with a striker that is rounded by 30 us nothing is lost,
-/// and the estimate stays the same.
+/// Checks the test on a narrower band. With a flat striker the filter of the recorder biases the
+/// estimate for a Norton rod, which then changes on a narrower band; with a front rounded by 30 us
+/// the filter removes nothing of the signal, and the estimate does not change.
 #[test]
 fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -181,11 +181,11 @@ fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
     }
 }
 
-/// At one velocity with two per cent of noise the excitation compensates for the exponent: fits end
-/// at 0.35 for a true 2, with a rate that is off by 5 to 19 of its standard errors, although χ²
-/// agrees with these errors for fixed weights and excitation. With weights and excitation renewed
-/// at the ends of the intervals, χ² shows that the errors have no meaning. With half a per cent of
-/// noise the exponent is identified.
+/// Checks that no wrong exponent is identified from tests at one velocity. With 2 % of noise the
+/// excitation compensates for a wrong exponent: fits end at 0.35 instead of 2, with a rate that is
+/// off by 5 to 19 standard errors, although χ² agrees with these errors for fixed weights and
+/// excitation. With weights and excitation re-estimated at the ends of the intervals, χ² shows that
+/// these errors are meaningless. With 0.5 % of noise the exponent is identified.
 #[test]
 fn r13_what_the_excitation_follows_is_not_identified() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -194,8 +194,8 @@ fn r13_what_the_excitation_follows_is_not_identified() {
     let expected = RodModel::parameters(&truth, MODULUS);
     let of_round = (50_038..50_044).map(|seed| (&round, 0.02, seed));
     let cases: Vec<_> = of_round.chain([(&sharp, 0.005, 50_000)]).collect();
-    // errors of the exponent and of the logarithm of the rate in standard errors, if they count as
-    // identified
+    // errors of the exponent and of the logarithm of the rate divided by their standard errors,
+    // `None` if not identified
     let identified = in_parallel(&cases, |(exact, noise, seed)| {
         let tests = [noisy(exact, *noise, *seed)];
         let found = Fit::of(Arc::clone(Candidate::of(Law::Norton).model()))

@@ -1,4 +1,5 @@
-//! Search of a fit: starts, another period of the waveform, bounds, grids.
+//! Tests of the search of a fit: starts, minima that belong to another period of the waveform,
+//! bounds, grids.
 
 use crate::virtual_rod;
 
@@ -63,7 +64,8 @@ fn many_starts_end_where_one_does_and_tell_where_each_led() {
         .to(&[test])
         .unwrap();
     for (a, b) in one.parameters().iter().zip(many.parameters()) {
-        // both iterations end where a step would reduce the sum of squares by less than 1e-10
+        // tolerance: both iterations end where a step would reduce the sum of squares by less than
+        // 1e-10 of it
         assert!(
             (a - b).abs() < 1e-4,
             "{:?} {:?}",
@@ -109,7 +111,7 @@ fn the_grid_is_as_fine_as_the_accuracy_asks_for() {
         assert!(fit.cell() < last, "{accuracy}: {}", fit.cell());
         last = fit.cell();
     }
-    // the stated difference is that from a finer grid
+    // `grid_difference` is the difference from the response with half the cell
     let fit = Fit::of(truth)
         .with_cell(8e-3)
         .to(std::slice::from_ref(&test))
@@ -149,8 +151,8 @@ fn the_excitation_between_its_samples_is_known_to_a_thousandth() {
         of_linear += ((linear(t) - truth) / 10.0).powi(2);
     }
     let rms = |sum: f64| (sum / f64::from(points)).sqrt();
-    // 0.1 % of V0 is requested; a straight line between the samples of a flat projectile has ten
-    // times that error
+    // the largest error is below the default accuracy of 0.1 % of V0; linear interpolation between
+    // the samples has at least ten times the rms error
     assert!(worst < 1e-3, "{worst}");
     assert!(rms(squares) < 1e-4, "{}", rms(squares));
     assert!(rms(of_linear) > 10.0 * rms(squares), "{}", rms(of_linear));

@@ -1,5 +1,5 @@
-//! Selection of a law: the right one is named from two impact velocities, and doubts are stated
-//! where the data do not decide.
+//! Tests of the selection of a law: the right law is named from two impact velocities, and doubts
+//! are stated where the data do not decide.
 
 use crate::virtual_tests;
 
@@ -11,14 +11,14 @@ use virtual_tests::{
     by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, named, noisy, sampled_fast,
 };
 
-/// Polypropylene with noticeable damping: a relaxation time of 0.5 ms at 10 MPa.
+/// A law of polypropylene with a relaxation time of 0.5 ms at 10 MPa.
 fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap()
 }
 
-/// One test at 3 m/s and one at 27 m/s. The χ² of the exponential law exceeds that of the power law
-/// by only about 15 at 4 and 24 m/s, and by 6 at 5 and 15 m/s. `claims/selection.rs` has five more
-/// draws.
+/// Checks that Norton's law is named from one test at 3 m/s and one at 27 m/s. At 4 and 24 m/s χ²
+/// of the law of Gurevich and Rabinovich would exceed that of Norton's law by only about 15, at 5
+/// and 15 m/s by 6. `claims/selection.rs` has five more draws.
 #[test]
 fn a_norton_law_is_named_from_two_velocities() {
     let exact = [3.0, 27.0].map(|velocity| by_the_chain(&norton(), velocity));
@@ -26,24 +26,24 @@ fn a_norton_law_is_named_from_two_velocities() {
     let comparisons = in_parallel(&seeds, |seed| compare(Candidate::standard(), &exact, *seed));
     let names: Vec<String> = comparisons.iter().map(named).collect();
     let right = names.iter().filter(|name| *name == "Maxwell-Norton");
-    // at least nine of ten, which are all of the usual four
+    // at least nine of ten draws, which means all of the default four
     assert!(10 * right.count() >= 9 * names.len(), "{names:?}");
     for comparison in &comparisons {
         let law = &comparison.laws[6];
-        // four standard errors of 0.05
+        // tolerance: four standard errors of 0.05
         assert!(
             (law.parameters[1] - 2.0).abs() < 0.2,
             "{:?}",
             law.parameters
         );
-        // 288 samples minus 3 parameters; the limits are four standard deviations of 24
+        // 288 samples minus 3 parameters; tolerance: four standard deviations of 24
         assert!((law.chi_square - 285.0).abs() < 96.0, "{}", law.chi_square);
         assert!(comparison.advice.is_empty(), "{:?}", comparison.advice);
     }
 }
 
-/// From one velocity a nonlinear law is named only where every linear law of flat loss is refuted,
-/// and never without the advice.
+/// Checks that from one velocity a nonlinear law is named only if every linear law of flat loss is
+/// refuted, and that the advice is given where nonlinear laws are probable.
 #[test]
 fn one_velocity_is_not_enough_while_a_linear_law_explains_the_data() {
     let mild = MaxwellNorton::from_reference_rate(2.0, 2.0, 10e6).unwrap();
@@ -63,8 +63,8 @@ fn one_velocity_is_not_enough_while_a_linear_law_explains_the_data() {
     }
 }
 
-/// Without competitors of flat loss, as in the paper, linear data of constant Q are refuted; where
-/// they are not refuted, no law is named.
+/// Checks comparisons without linear laws of flat loss, as in the paper: for data of a constant-Q
+/// rod all laws are refuted, and for data of a Norton rod no law is named.
 #[test]
 fn without_linear_competitors_nothing_is_called_nonlinear() {
     let only =
@@ -92,9 +92,8 @@ fn without_linear_competitors_nothing_is_called_nonlinear() {
     );
 }
 
-/// If the level of the noise is unknown, the order of the laws is unchanged and none of them is
-/// refuted. If it is estimated from a few samples, laws are refuted less strongly than with known
-/// noise.
+/// Checks that no law has an adequacy if the level of the noise is unknown, and that laws are
+/// refuted less strongly if the level is estimated from 20 samples than if it is known.
 #[test]
 fn noise_that_is_not_known_refutes_less() {
     let exact = by_the_line(&constant_q_stack(0.07), 10.0);
@@ -109,8 +108,7 @@ fn noise_that_is_not_known_refutes_less() {
     let estimated = with(20.0).compare(&tests).unwrap();
     assert!(estimated.laws[1].adequacy.unwrap() < 1e-3, "{estimated:?}");
     let of_known = known.compare(&tests).unwrap();
-    // with half the noise stated, χ² is four times the number of samples, which refutes a law less
-    // strongly if the level is estimated from twenty samples at rest
+    // with half of the noise stated, χ² is about four times the number of samples
     assert!(of_known.laws[1].adequacy.unwrap() < estimated.laws[1].adequacy.unwrap());
 }
 
@@ -142,10 +140,10 @@ fn requests_without_sense_are_refused() {
     );
 }
 
-/// Noise of 3 % on records in which three quarters of the frequencies have no signal: a law must
-/// not be preferred because it happens to filter the noise of the excitation well. If the
-/// excitation is not limited to the band of the signal, Maxwell's law is left out in seven of 24
-/// such tests; with the limit, in none.
+/// Checks that the true law is named or remains in question for records with 3 % of noise in which
+/// three quarters of the frequencies have no signal. If the excitation were not limited to the band
+/// of the signal, a law that filters the noise of the excitation would be preferred, and Maxwell's
+/// law would be excluded in seven of 24 such tests.
 #[test]
 fn noise_beyond_the_signal_does_not_choose_a_law() {
     let laws = [

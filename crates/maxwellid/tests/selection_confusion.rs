@@ -1,5 +1,5 @@
 //! Confusion matrix and calibration of probabilities on data of independent generators, at two
-//! velocities: one draw of each truth, or `SEEDS` draws.
+//! velocities, with one draw for each true law or `SEEDS` draws.
 
 use crate::virtual_tests;
 
@@ -12,7 +12,7 @@ use virtual_tests::{
     Exact, by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, named,
 };
 
-/// Data of four laws at 4 and 24 m/s, and the name of the law that made them.
+/// Records of rods of four laws at 4 and 24 m/s, with the name of the law.
 fn truths() -> Vec<(&'static str, [Exact; 2])> {
     let maxwell = Maxwell::new(2e6).unwrap();
     let norton = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -53,11 +53,11 @@ fn laws_are_confused_with_their_limits_only_and_probabilities_are_honest() {
         }
     }
     let count = cases.len() as f64;
-    // the Brier score of eight equal probabilities is 0.875; the limit is the score if one answer
-    // in five is certain and wrong
+    // tolerance: the Brier score is 0.4 if one answer in five is certain and wrong; it is 0.875 for
+    // eight equal probabilities
     assert!(score / count < 0.4, "{} {confusion:?}", score / count);
     assert!(of_truth / count > 0.6, "{} {confusion:?}", of_truth / count);
-    // no law of the other kind is named: linear for nonlinear or the reverse
+    // no linear law is named for nonlinear data, and no nonlinear law for linear data
     let nonlinear = |name: &str| name.contains("Norton") || name.contains("Gurevich");
     for (truth, verdict) in confusion.keys() {
         let is_named = !(verdict == "cannot tell" || verdict == "none");

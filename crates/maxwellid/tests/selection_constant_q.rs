@@ -1,4 +1,5 @@
-//! Linear rods of constant loss factor, struck at one velocity: no nonlinear law is named.
+//! Test that no nonlinear law is named for linear rods of constant loss factor, struck at one
+//! velocity.
 
 use crate::virtual_tests;
 
@@ -9,8 +10,8 @@ use virtual_tests::{MODULUS, by_the_line, compare, constant_q_stack, in_parallel
 
 const LOSS_FACTORS: [f64; 4] = [0.03, 0.05, 0.07, 0.10];
 
-/// The generator has a loss factor constant to 1 % from 0.2 to 20 kHz, and the modulus of
-/// Kjartansson's law to 0.2 %.
+/// Checks that the material of the simulation has a loss factor constant to 1 % from 0.2 to 20 kHz,
+/// and the modulus of Kjartansson's law to 0.2 %.
 #[test]
 fn the_stack_of_branches_has_a_constant_loss_factor() {
     let reference = std::f64::consts::TAU * 4e3;
@@ -28,9 +29,9 @@ fn the_stack_of_branches_has_a_constant_loss_factor() {
     }
 }
 
-/// A record of each material; `claims/selection.rs` has six more of one of them. A fault that gives
-/// a nonlinear verdict for a quarter of such records is missed by the ten with a probability of
-/// 6 %; `SEEDS=100` evaluates a hundred of them.
+/// Checks one record of each loss factor; `claims/selection.rs` has six more records of one loss
+/// factor. If a fault gave a nonlinear verdict for a quarter of such records, the ten records
+/// together would miss it with a probability of 6 %. `SEEDS=100` evaluates a hundred records.
 #[test]
 fn constant_q_at_one_velocity_is_not_called_nonlinear() {
     let exact = LOSS_FACTORS.map(|loss| [by_the_line(&constant_q_stack(loss), 10.0)]);
@@ -44,8 +45,7 @@ fn constant_q_at_one_velocity_is_not_called_nonlinear() {
         .filter(|c| c.is_nonlinear_verdict())
         .count();
     assert_eq!(nonlinear, 0);
-    // the right law, or laws of flat loss that cannot be distinguished from it, are not refuted;
-    // each would be with a probability of 0.1 %
+    // the right law is not refuted, which would happen by chance in 0.1 % of the records
     let refuted = comparisons.iter().filter(|c| named(c) == "none").count();
     assert_eq!(refuted, 0);
     for comparison in &comparisons {

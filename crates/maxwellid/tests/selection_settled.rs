@@ -1,5 +1,5 @@
-//! Comparisons that do not depend on the order of tests or candidates, and laws that are never
-//! worse than their special cases.
+//! Tests that a comparison does not depend on the order of tests or candidates, and that no law
+//! fits worse than its special cases.
 
 use crate::virtual_tests;
 
@@ -31,7 +31,7 @@ fn law(comparison: &Comparison, wanted: Law) -> &ComparedLaw {
     laws.find(|law| law.law == Some(wanted)).unwrap()
 }
 
-/// The laws of a decision by their names, in alphabetical order.
+/// The kind of a decision, and the names of its laws in alphabetical order.
 fn decided(comparison: &Comparison) -> (&'static str, Vec<String>) {
     let (kind, indices) = match &comparison.decision {
         Decision::Law { candidate, .. } => ("law", vec![*candidate]),
@@ -60,9 +60,9 @@ fn assert_same(one: &Comparison, other: &Comparison) {
     }
 }
 
-/// Rods of constant loss factor, each test alone and any two together: the joint χ² exceeds the sum
-/// of the two by no more than the 1e-4 quantile of chi-square with two degrees of freedom, for the
-/// two parameters that the tests share.
+/// Checks rods of constant loss factor, each test alone and any two together in both orders: the
+/// law is never excluded, and χ² of two tests together exceeds the sum of their own χ² by no more
+/// than chance permits for the two shared parameters.
 #[test]
 fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
     let exact = [3.0, 10.0, 27.0].map(|v| by_the_line(&constant_q_stack(0.07), v));
@@ -86,7 +86,8 @@ fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
         assert_same(&together, &compare(reversed, &exchanged));
         let of = |comparison: &Comparison| law(comparison, Law::ConstantQ).chi_square;
         let sum = of(&alone[first]) + of(&alone[second]);
-        // chi-square with two degrees of freedom exceeds 2 ln(1/p) with the probability p
+        // tolerance: chi-square with two degrees of freedom exceeds 2 ln(1/p) with the probability
+        // p = 1e-4
         let allowed = 2.0 * 1e4_f64.ln();
         assert!(of(&together) < sum + allowed, "{} {sum}", of(&together));
         let counts = |law: &&ComparedLaw| law.probability > 0.01;
@@ -95,8 +96,8 @@ fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
     }
 }
 
-/// A general law explains the data at least as well as any of its special cases, whatever law the
-/// data come from.
+/// Checks, for data of three laws, that χ² of a general law does not exceed that of its special
+/// cases.
 #[test]
 fn r01_no_law_is_worse_than_its_special_case() {
     let zener = GeneralisedMaxwell::new(
@@ -108,8 +109,8 @@ fn r01_no_law_is_worse_than_its_special_case() {
     )
     .unwrap();
     let norton = MaxwellNorton::from_reference_rate(3.0, 20.0, 10e6).unwrap();
-    // in the first and the last case, fits of two branches from their own starts do not find the
-    // fit of one branch
+    // for the first and the last record, fits of two branches from their own starts would miss the
+    // minimum of one branch
     let data = [
         (NOISE, 100, by_the_chain(&Maxwell::new(2e6).unwrap(), 10.0)),
         (NOISE, 20, by_the_line(&zener, 10.0)),

@@ -1,5 +1,5 @@
-//! Change of the parameters with length and density of the specimen, found from fits of the same
-//! histories to another specimen.
+//! Test of the stated sensitivities to length and density of the specimen, by fits of the same
+//! histories with another length and density.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ const DENSER: f64 = 1.005;
 
 fn estimates(model: &Arc<dyn RodModel>, data: &RodTestData) -> Vec<Estimate> {
     let test = RodTest::new(data.clone()).unwrap().with_noise(0.05, 0.05);
-    // the number of cells is the same for both lengths
+    // this cell gives the same number of cells for both lengths
     Fit::of(model.clone())
         .with_cell(LENGTH / 39.5)
         .to(&[test.unwrap()])
@@ -41,7 +41,7 @@ fn moves_as_its_sensitivity_says(model: Arc<dyn RodModel>, data: &RodTestData) {
         };
         let expected =
             before.sensitivity.length * LONGER.ln() + before.sensitivity.density * DENSER.ln();
-        // the fits end within a thousandth of a standard error
+        // tolerance: the fits end within 0.001 standard errors, and the sensitivities are linear
         let tolerance = 3e-3 * before.standard_error + 0.01 * expected.abs();
         assert!(
             (moved - expected).abs() < tolerance,
@@ -51,7 +51,7 @@ fn moves_as_its_sensitivity_says(model: Arc<dyn RodModel>, data: &RodTestData) {
             before.standard_error
         );
     }
-    // d ln E = 2 d ln L + d ln rho, whatever the law
+    // d ln E = 2 d ln L + d ln rho for every law
     let modulus = before.first().unwrap().clone();
     let random = modulus.standard_error;
     let specimen = SpecimenUncertainty::relative(0.00125, 0.005).unwrap();

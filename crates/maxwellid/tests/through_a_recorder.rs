@@ -1,9 +1,9 @@
 //! Nonlinear rods identified through the filter of a recorder, from tests simulated in physical
 //! order: striker, rod, filter, sampling, noise.
 //!
-//! The generator is the lumped chain of striker and rod; the filter is a differential equation,
-//! integrated step by step. Neither shares anything with the solver, with its impulse response, or
-//! with the prior of the excitation.
+//! The tests are simulated by the lumped chain of striker and rod, and filtered by a differential
+//! equation that is integrated step by step. Neither shares anything with the solver, with the
+//! impulse response of the filter in the crate, or with the prior of the excitation.
 
 use std::sync::Arc;
 
@@ -55,9 +55,9 @@ fn butterworth_at(cutoff: f64) -> RecorderFilter {
     .unwrap()
 }
 
-/// Returns the samples of a history, given at (k + 1/2) `step`, after the filter and recorded
-/// `late` \[s\] too late. Each section of the filter is x'' + (ω/Q) x' + ω² x = ω² u, integrated by
-/// the method of Runge and Kutta with u linear in each step.
+/// Returns the samples of a `history`, given at the times (k + 1/2) `step`, after the filter and
+/// with a delay of `late` \[s\]. Each section of the filter is x'' + (ω/Q) x' + ω² x = ω² u,
+/// integrated by the Runge-Kutta method with u linear in each step.
 fn recorded(history: &[f64], step: f64, late: f64) -> Vec<f64> {
     let omega = std::f64::consts::TAU * CUTOFF;
     let mut passed: Vec<f64> = std::iter::once(0.0)
@@ -92,7 +92,8 @@ fn recorded(history: &[f64], step: f64, late: f64) -> Vec<f64> {
     (0..SAMPLES)
         .map(|sample| {
             let time = (sample as f64 - BEFORE as f64) / RATE - late;
-            // the history begins half a step before its first value, at rest
+            // `passed` begins with a value at rest, half a step before the first value of the
+            // history
             let at = time / step + 0.5;
             if at <= 0.0 {
                 return 0.0;
@@ -108,7 +109,7 @@ fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> [Vec<f64>; 2] {
     struck_and_late(law, velocity, 0.0)
 }
 
-/// Returns the histories of [`struck`] with the response recorded `late` \[s\] too late.
+/// Returns the histories of [`struck`] with a delay of the response of `late` \[s\].
 fn struck_and_late<L: InelasticLaw>(law: &L, velocity: f64, late: f64) -> [Vec<f64>; 2] {
     let history = ImpactTest {
         striker: Striker {
@@ -148,7 +149,7 @@ fn test_of([near, far]: &[Vec<f64>; 2], velocity: f64, noise: f64, seed: u64) ->
     .unwrap()
 }
 
-/// Difference of each parameter from the truth, in its standard errors.
+/// Difference of each parameter from the truth, divided by its standard error.
 fn off<M: RodModel>(found: &Identification<M>, truth: &[f64]) -> Vec<f64> {
     let judged = found.identifiability(Noise::Stated).unwrap();
     let errors = judged.coordinate_errors.iter();
@@ -195,8 +196,8 @@ fn off_of_pairs<L: InelasticLaw + maxwellid::IdentifiableLaw>(
     })
 }
 
-/// The mean square of (found - true)/error of eight pairs agrees with correct errors. Of 40 pairs
-/// it is 1.1, 0.8, 1.1 (E, shape and rate of Norton) and 1.5, 0.8, 1.0 (Gurevich-Rabinovich).
+/// Checks that the mean square of error over standard error of eight pairs is about 1. For 40 pairs
+/// it is 1.1, 0.8 and 1.1 (E, shape and rate of Norton) and 1.5, 0.8 and 1.0 (Gurevich-Rabinovich).
 #[test]
 fn parameters_come_back_within_their_errors() {
     let pairs = [
@@ -208,16 +209,17 @@ fn parameters_come_back_within_their_errors() {
             let all: Vec<f64> = found.iter().map(|of| of[parameter]).collect();
             let mean = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
             println!("{parameter}: {mean:.2} {all:.2?}");
-            // chi-square of 8 divided by 8: 0.17 to 2.74 with a probability of 0.99
+            // tolerance: chi-square with 8 degrees of freedom, divided by 8, is between 0.17 and
+            // 2.74 with a probability of 0.99
             assert!((0.17..2.74).contains(&mean), "{parameter}: {mean} {all:?}");
         }
     }
 }
 
-/// With an eighth of the noise, the rounding of a front by the grid of the excitation would be
-/// noticeable: E, shape and rate of Gurevich-Rabinovich would be off by 9, 7.5 and 6.5 standard
-/// errors (root mean square), E of Norton by 6.5. The remaining error, 0.1 % of E, is 2.2 standard
-/// errors.
+/// Checks the correction for a front between two points of the grid of the excitation, at an eighth
+/// of the noise. Without the correction E, shape and rate of Gurevich-Rabinovich would be off by 9,
+/// 7.5 and 6.5 standard errors (root mean square), E of Norton by 6.5. The error that remains, 0.1
+/// % of E, is 2.2 standard errors.
 #[test]
 fn a_front_between_two_points_of_the_grid_biases_no_parameter() {
     let pairs = [
@@ -231,7 +233,7 @@ fn a_front_between_two_points_of_the_grid_biases_no_parameter() {
     }
 }
 
-/// The law that is named, or those that are in question.
+/// The law that is named, or the laws in question.
 fn left(comparison: &Comparison) -> Vec<Law> {
     let left = match &comparison.decision {
         Decision::Law { candidate, .. } => vec![*candidate],
@@ -242,9 +244,9 @@ fn left(comparison: &Comparison) -> Vec<Law> {
     laws.flatten().collect()
 }
 
-/// The law of pairs of tests at 3 and 27 m/s is named, or is among those in question. In twelve
-/// pairs each, with seven candidates, Norton was named in 11 and in question in 1,
-/// Gurevich-Rabinovich likewise; Maxwell was in question in 12, together with laws that contain it.
+/// Checks that the true law of pairs of tests at 3 and 27 m/s is named or in question. In twelve
+/// pairs for each law, with seven candidates, Norton was named in 11 and in question in 1, and so
+/// was Gurevich-Rabinovich; Maxwell was in question in all 12, together with laws that contain it.
 #[test]
 fn the_law_is_named_or_left() {
     fn named<L: InelasticLaw>(truth: &L, law: Law) -> usize {
@@ -260,7 +262,7 @@ fn the_law_is_named_or_left() {
                         .unwrap()
                 })
                 .collect();
-            // further branches take as much time as all others
+            // laws with several branches are omitted: they take as much time as all other laws
             let branches = [Law::TwoMaxwellBranches, Law::ThreeMaxwellBranches];
             let laws = Law::STANDARD
                 .into_iter()
@@ -280,8 +282,8 @@ fn the_law_is_named_or_left() {
     named(&Maxwell::new(4e6).unwrap(), Law::Maxwell);
 }
 
-/// With half of the true cut-off stated, no law explains the data whatever the grid is, and no grid
-/// is refined: without this rule, the comparison refines to 0.55 mm and takes a minute.
+/// Checks that no grid is refined if half of the true cut-off is stated, so that no law explains
+/// the data on any grid. Otherwise the cells would be refined to 0.55 mm, which takes a minute.
 #[test]
 fn no_grid_is_refined_for_a_wrong_filter() {
     let tests = [(3.0, 7), (27.0, 8)].map(|(velocity, seed)| {
@@ -298,10 +300,10 @@ fn no_grid_is_refined_for_a_wrong_filter() {
     assert!(wrong.cell >= DEFAULT_CELL, "{}", wrong.cell);
 }
 
-/// A delay between the transducers of two thirds of a sample, with a stated uncertainty of ±5 us,
-/// is found with the parameters, by the fit and by the comparison of laws. If the transfer from
-/// excitation to response did not contain the delay, the estimate of the delay would be off by five
-/// standard errors, and in eight such tests the comparison would reject every law.
+/// Checks that fit and comparison of laws allow for a delay between the transducers of two thirds
+/// of a sample, with a stated uncertainty of ±5 us. If the transfer from excitation to response did
+/// not contain the delay, the estimate of the delay would be off by five standard errors, and the
+/// comparison would reject every law in eight such tests.
 #[test]
 fn a_delay_of_most_of_a_sample_is_found() {
     fn checked<L: InelasticLaw + maxwellid::IdentifiableLaw>(truth: &L, law: Law) {
@@ -414,8 +416,9 @@ fn struck_solid() -> [Vec<f64>; 2] {
     [&near, &run.ends[1].velocity].map(|history| recorded(history, run.grid.time_step, 0.0))
 }
 
-/// A linear rod commutes with the filter: driven by the excitation after the filter or before it,
-/// it gives the same estimates and errors.
+/// Checks that a linear rod driven by the excitation after the filter has the same estimates and
+/// errors as one driven by the excitation before the filter, because a linear rod commutes with the
+/// filter.
 #[test]
 fn a_linear_rod_may_be_driven_behind_the_filter() {
     let maxwell = struck(&Maxwell::new(4e6).unwrap(), 10.0);
@@ -438,8 +441,8 @@ fn a_linear_rod_may_be_driven_behind_the_filter() {
         let each = behind.parameters().iter().zip(before.parameters());
         for (index, (a, b)) in each.enumerate() {
             let (error, other) = (of_behind[index], of_before[index]);
-            // the grids of the rod and of its transfer differ, which is an error of about a tenth
-            // of the noise
+            // tolerance: the grids of the rod and of its transfer differ, which causes a difference
+            // of about a tenth of a standard error
             assert!((a - b).abs() < 0.2 * error, "{index}: {a} {b} ± {error}");
             assert!(
                 (other / error - 1.0).abs() < 0.1,

@@ -1,5 +1,5 @@
-//! Transducers: displacements, their noise and range, gain, offset and delay; tests that contradict
-//! each other.
+//! Tests of displacements, their noise and range, of gain, offset and delay of transducers, and of
+//! tests that contradict each other.
 
 use crate::virtual_rod;
 
@@ -35,7 +35,8 @@ fn displacements_give_the_linear_law_that_made_them() {
     assert_eq!(test.response().len(), 142 - 6 - 16);
     assert!(test.flags().is_empty());
     let fit = Fit::of(Maxwell::new(1e6).unwrap()).to(&[test]).unwrap();
-    // the same differentiator on both histories commutes with a linear rod
+    // the differentiator causes no error, because the same one on both histories commutes with a
+    // linear rod
     assert!(
         ratio_error(fit.modulus(), 3e9) < 5e-4,
         "{}",
@@ -75,8 +76,8 @@ fn intervals_from_noisy_displacements_cover_and_scatter_as_stated() {
             fit.ratio_to_noise()
         );
     }
-    // of 24 draws with a probability of 0.95 fewer than 20 lie inside once in 200 times; the mean
-    // square is chi-square divided by 24
+    // tolerance: with a probability of 0.95 each, fewer than 20 of 24 intervals cover the truth in
+    // one of 200 cases; the mean square is chi-square divided by its 24 degrees of freedom
     assert!(covered >= 20, "{covered} of {seeds}");
     let mean_square = squares / seeds as f64;
     assert!((0.35..2.1).contains(&mean_square), "{mean_square}");
@@ -90,8 +91,7 @@ fn noise_is_taken_from_the_quiet_part() {
         .with_noise_of_quiet_part()
         .unwrap();
     let noise = test.noise().unwrap();
-    // from 190 and 200 samples the levels are known to 5 %; the limits are three standard
-    // deviations
+    // tolerance: three standard deviations; from 190 and 200 samples the levels are known to 5 %
     assert!(ratio_error(noise.excitation.standard_deviation(), 0.1) < 0.16);
     assert!(ratio_error(noise.response.standard_deviation(), 0.1) < 0.16);
     let short = struck_before(0.4, V0, 3e9, &Maxwell::new(4e6).unwrap(), 25, 100);
@@ -121,7 +121,7 @@ fn a_displacement_out_of_range_ends_the_window_and_is_flagged() {
         let mut data = whole.clone();
         let mut known_range = range;
         if stuck {
-            // the range was not stated, but the signal is constant there
+            // the range is not stated, but the clipped signal is constant
             data.response.iter_mut().for_each(|u| *u = u.min(range));
             known_range = f64::INFINITY;
         }
@@ -132,7 +132,7 @@ fn a_displacement_out_of_range_ends_the_window_and_is_flagged() {
             _ => None,
         });
         let time = of_response.unwrap();
-        // the excitation moves as far at a slightly different time
+        // with a stated range the excitation is clipped too, at another time
         assert_eq!(test.flags().len(), if stuck { 1 } else { 2 });
         assert!((time * RATE - expected as f64).abs() < 1e-6);
         assert!(test.response().len() <= expected - 6);
@@ -163,8 +163,8 @@ fn a_calibration_holds_what_the_data_cannot_see() {
         .unwrap()
         .with_noise(0.05, 0.05)
         .unwrap();
-    // of the two gains of a linear rod only the product is observable; calibrations of 1 % and 3 %
-    // divide it between them
+    // for a linear rod only the product of the two gains is observable; the calibrations of 1 % and
+    // 3 % determine each gain
     let fit = Fit::of(Maxwell::new(1e6).unwrap())
         .with_nuisances(Nuisances {
             response_gain: Freedom::Within(0.01),
@@ -180,14 +180,15 @@ fn a_calibration_holds_what_the_data_cannot_see() {
         (excitation.name, response.name),
         ("excitation gain", "response gain")
     );
-    // the gain that is known better keeps its uncertainty, and the data determine the other from it
+    // the gain with the better calibration keeps its uncertainty, and the data determine the other
+    // gain from it
     assert!(
         ratio_error(response.standard_error, 0.01) < 0.15,
         "{response:?} {excitation:?}"
     );
     assert!(excitation.standard_error < 0.015, "{excitation:?}");
     assert!((response.value - 1.0).abs() < 0.02 && (excitation.value - 1.0).abs() < 0.03);
-    // an unknown gain makes the damping less certain, a calibrated gain less so
+    // an unknown gain increases the error of the damping, and a calibrated gain increases it less
     let error = |freedom| {
         let fit = Fit::of(Maxwell::new(1e6).unwrap())
             .with_nuisances(Nuisances {
@@ -249,7 +250,7 @@ fn tests_that_contradict_each_other_are_refused_or_flagged() {
     let agreeing = fit(&tests(&|_| ())).unwrap();
     assert!(agreeing.flags().is_empty(), "{:?}", agreeing.flags());
     assert!(ratio_error(agreeing.modulus(), 3e9) < 1e-3);
-    // a sampling rate of half the true one quarters the modulus by the time of flight
+    // with half of the true sampling rate the time of flight gives a quarter of the modulus
     let error = fit(&tests(&|data| data.sampling_rate_hz *= 0.5)).unwrap_err();
     assert!(
         matches!(&error, MaxwellidError::Contradiction { test, .. } if test == "short"),
@@ -260,7 +261,8 @@ fn tests_that_contradict_each_other_are_refused_or_flagged() {
             .to_string()
             .contains("a length, a density or a sampling rate is wrong, or the materials differ")
     );
-    // two per cent of the length are below the resolution of the time of flight, but not of the fit
+    // an error of the length of 2 % is too small for the check of the times of flight, but the fit
+    // detects it
     let doubtful = fit(&tests(&|data| data.length *= 1.02)).unwrap();
     assert!(
         doubtful.flags().iter().any(|flag| matches!(
@@ -278,7 +280,7 @@ fn windows_and_noise_that_are_no_good_are_named() {
     let rod = struck(0.4, V0, 3e9, &truth, 100);
     let test = RodTest::new(rod.data.clone()).unwrap();
     let fit = |tests: &[RodTest]| Fit::of(Maxwell::new(1e6).unwrap()).to(tests).unwrap_err();
-    // the wave arrives after 32 samples and 0.24 ms: at 0.87 ms
+    // the wave arrives 0.24 ms after the 32 samples at rest, at 0.87 ms
     let short = test.clone().with_window(0.95e-3).unwrap();
     let error = fit(&[short]);
     assert!(

@@ -1,4 +1,4 @@
-//! Advice on the next test, and the paper's classifier on virtual tests.
+//! Tests of the planning of further tests, and of the paper's classifier, on virtual tests.
 
 use crate::virtual_tests;
 
@@ -31,7 +31,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     let ranked = design.rank(law, &rival, &planned).unwrap();
     let repetition = ranked.iter().find(|(index, _)| *index == 0).unwrap().1;
     let alone = design.separation(law, &rival, &[]).unwrap();
-    // twice the data contain twice the information
+    // a repetition doubles the information, and with it the separation
     assert!(
         (repetition / alone - 2.0).abs() < 0.3,
         "{repetition} {alone}"
@@ -41,8 +41,8 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     // only half as much
     assert!(ranked[0].1 > 3.0 * repetition, "{ranked:?}");
 
-    // a repetition reduces an error by the root of two, a second velocity reduces that of the
-    // exponent by more
+    // a repetition divides an error by √2; a second velocity reduces the error of the exponent by
+    // more
     let before = design.deviations(law, &[]).unwrap();
     let repeated = design.deviations(law, &planned[..1]).unwrap();
     let faster = design.deviations(law, &planned[2..]).unwrap();
@@ -64,7 +64,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
         );
     }
     assert!(faster[1] < 0.7 * repeated[1], "{faster:?} {repeated:?}");
-    // with three more tests of the same kind there is four times the information
+    // three repetitions multiply the information by four
     let thrice = vec![planned[0].clone(); 3];
     let three = design.deviations(law, &thrice).unwrap();
     for (before, three) in before.iter().zip(&three) {
@@ -77,7 +77,8 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     assert!(PlannedTest::at_velocity(&tests[0], 0.0).is_err());
 }
 
-/// The paper's classifier with sixty standard samples per law, as in the paper, and its limits.
+/// Checks that the paper's classifier, with sixty standard samples per law as in the paper, is
+/// often wrong, and that conformal p-values reject a pattern that belongs to no law.
 #[test]
 fn the_classifier_of_the_paper_is_what_it_is() {
     let exact = by_the_chain(
@@ -97,7 +98,7 @@ fn the_classifier_of_the_paper_is_what_it_is() {
     let features: Vec<Vec<f64>> = projected.iter().map(|z| Basis::Linear.of(z)).collect();
     let limit = Weights::least_squares(&features, &samples.class_of, 0.0).unwrap();
     let measured = projection.project(&samples.measured(&tests)).unwrap();
-    // with a linear basis, sixty samples are separated hardly better than by chance
+    // with a linear basis, fewer than two thirds of the samples are assigned to their own law
     let right = features
         .iter()
         .zip(&samples.class_of)

@@ -1,5 +1,5 @@
-//! Extreme numbers for every argument: each is refused with an error that names it, or its result
-//! is finite.
+//! Tests of extreme numbers for every argument: a number is refused with an error that names it, or
+//! the result is finite.
 
 use maxwellid::adequacy::{RobbinsMonro, Weights};
 use maxwellid::conformal::p_values;
@@ -84,7 +84,8 @@ fn tests_of_rods() {
         RodTest::from_displacements(base.clone(), &transducers)
             .map(|t| t.response().to_vec())
             .and_then(|r| {
-                // any finite range above the largest displacement is valid
+                // an infinite range is permitted, but the sweep expects an error for a number that
+                // is not finite
                 if x.is_finite() {
                     Ok(r)
                 } else {
@@ -92,7 +93,7 @@ fn tests_of_rods() {
                 }
             })
     });
-    // records without a sample, with one, and of unequal lengths
+    // records with no sample, with one sample, and of unequal lengths
     for (excitation, response) in [
         (vec![], vec![]),
         (vec![0.0], vec![0.0]),
@@ -132,7 +133,7 @@ fn fits() {
             .to(&noisy)?;
         Ok(found.parameters().to_vec())
     });
-    // a grid of as many cells as memory has bytes
+    // a grid with more cells than memory has bytes
     let fine = Fit::of(maxwell()).with_cell(1e-15).to(&tests);
     assert!(
         matches!(

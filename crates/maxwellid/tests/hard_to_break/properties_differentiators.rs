@@ -1,9 +1,9 @@
-//! Every permitted filter differentiates every polynomial of its degree.
+//! Test that every permitted filter differentiates all polynomials up to its degree.
 
 use maxwellid::Differentiator;
 
-/// Compares the slopes of Legendre's polynomials, which are bounded over the window, in the middle
-/// of the window.
+/// Compares the slope in the middle of the window with that of Legendre polynomials, which are
+/// bounded over the window.
 #[test]
 fn all_polynomials_of_the_degree_are_differentiated() {
     for half_width in [1_usize, 2, 3, 7, 20, 47, 100] {
@@ -17,7 +17,7 @@ fn all_polynomials_of_the_degree_are_differentiated() {
                 let m = half_width as f64;
                 let (values, slope) = legendre(order, half_width);
                 let found: f64 = weights.iter().zip(&values).map(|(w, p)| w * p).sum();
-                // rounding of a sum of numbers up to 1 with weights of this size
+                // tolerance: rounding of a sum of numbers up to 1 with weights of this size
                 let allowed = 1e-12 * size.max(slope.abs() / m);
                 assert!(
                     (found - slope / m).abs() < allowed,
@@ -35,7 +35,7 @@ fn all_polynomials_of_the_degree_are_differentiated() {
     }
 }
 
-/// `P_n` at the points and `P_n'(0)`.
+/// Legendre polynomial `P_n` at the points, and its slope `P_n'(0)`.
 fn legendre(order: usize, half_width: usize) -> (Vec<f64>, f64) {
     let points = 2 * half_width + 1;
     let x = |i: usize| (i as f64 - half_width as f64) / half_width as f64;

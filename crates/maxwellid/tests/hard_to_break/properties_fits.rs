@@ -1,4 +1,4 @@
-//! Invariances of an identification.
+//! Tests of quantities on which an identification must not depend.
 
 use maxwellid::selection::{Candidate, Selection};
 use maxwellid::{Fit, Identification, Law, RodModel, RodTest};
@@ -10,7 +10,7 @@ fn maxwell() -> Maxwell {
     Maxwell::from_reference_rate(20.0, 10e6).unwrap()
 }
 
-/// Two impacts of a rod, with a disturbance that differs from sample to sample.
+/// Two tests of a rod, whose response has a disturbance that differs from sample to sample.
 fn tests() -> Vec<RodTest> {
     [10.0, 16.0]
         .map(|velocity| {
@@ -43,7 +43,7 @@ fn fitted(tests: &[RodTest]) -> Identification<Maxwell> {
     Fit::of(maxwell()).with_cell(8e-3).to(tests).unwrap()
 }
 
-/// Sums over tests in another order differ in their rounding.
+/// Checks that the order of the tests changes the parameters only by rounding.
 #[test]
 fn the_order_of_tests_is_lost_in_rounding() {
     let there = tests();
@@ -64,15 +64,14 @@ fn the_order_of_tests_is_lost_in_rounding() {
         };
         let (a, b) = (fitted(&there), fitted(&back));
         for (a, b) in a.parameters().iter().zip(b.parameters()) {
-            // the iteration ends where the sum of squares does not fall any more, which determines
-            // half of the digits
+            // tolerance: the iteration ends where the sum of squares no longer falls, which
+            // determines half of the digits of the parameters
             assert!((a - b).abs() < 1e-6, "{a} {b}");
         }
     }
 }
 
-/// For a linear law, a test with all velocities twice as large is the same experiment in other
-/// units.
+/// Checks that the parameters of a linear law do not change if all velocities are twice as large.
 #[test]
 fn the_unit_of_velocity_is_no_part_of_a_linear_law() {
     let plain = fitted(&tests());
@@ -90,8 +89,8 @@ fn the_unit_of_velocity_is_no_part_of_a_linear_law() {
     }
 }
 
-/// Results of several threads are collected in their original order, so that no digit depends on
-/// the number of threads.
+/// Checks that no digit depends on the number of threads: results of several threads are collected
+/// in the order of their items.
 #[cfg(feature = "rayon")]
 #[test]
 fn one_thread_and_many_give_the_same_digits() {

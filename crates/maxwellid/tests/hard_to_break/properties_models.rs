@@ -1,4 +1,4 @@
-//! Derivatives, similarity and superposition of the simulated responses.
+//! Tests of derivatives, similarity and superposition of simulated responses.
 
 use maxwellid::linear::{ConstantQ, LinearModel, MaxwellBranches};
 use maxwellid::{DrivenRod, RodModel};
@@ -61,7 +61,7 @@ fn models() -> Vec<(Box<dyn RodModel>, Vec<f64>)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Columns of the Jacobian against central differences at random places.
+    /// Compares the columns of the Jacobian with central differences at random parameters.
     #[test]
     fn derivatives_are_those_of_the_response(shifts in prop::collection::vec(-0.3..0.3_f64, 4), velocity in 2.0..20.0_f64, radius in 0.0..3e-3_f64) {
         for (model, centre) in models() {
@@ -82,8 +82,8 @@ proptest! {
                     model.response(&rod, &parameters).unwrap()
                 };
                 let (up, down) = (moved(1.0), moved(-1.0));
-                // with a change of E, nodes of the grid in time pass single samples, where the
-                // difference has a kink that the derivative does not have
+                // sums of squares are compared, because a change of E moves the time levels of the
+                // grid across samples, and the response has a kink there
                 let square = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>();
                 let differences = up.iter().zip(&down).map(|(up, down)| (up - down) / (2.0 * step));
                 let apart = square(&mut differences.zip(column).map(|(difference, c)| difference - c));
@@ -93,8 +93,8 @@ proptest! {
         }
     }
 
-    /// A rod in other units of length and time: its moduli are in units of `ρ (L/T)²`, its
-    /// relaxation times in units of T.
+    /// Checks that a rod scaled by the factors L in length and T in time has the scaled response,
+    /// with moduli scaled by (L/T)² and relaxation times by T.
     #[test]
     fn units_of_length_and_time_are_no_part_of_the_rod(powers in [-6..6_i32, -6..6_i32]) {
         let [length, time] = powers.map(|p| 2.0_f64.powi(p));
@@ -115,13 +115,13 @@ proptest! {
             let plain = response(model, &one, 10.0, 1.0, 1.0);
             let scaled = response(model, &other, 10.0, length, time);
             for (a, b) in plain.iter().zip(&scaled) {
-                // rounding of the logarithms of moduli changes the phase of a wave
+                // tolerance: rounding of the logarithm of the modulus changes the phase of a wave
                 prop_assert!((a * length / time - b).abs() < 1e-9 * 10.0 * length / time, "{}", model.name());
             }
         }
     }
 
-    /// Linear laws: twice the excitation gives twice the response.
+    /// Checks that the response of a linear law is proportional to the excitation.
     #[test]
     fn linear_laws_superpose(power in -40..40_i32) {
         let factor = 2.0_f64.powi(power);
@@ -138,8 +138,8 @@ proptest! {
     }
 }
 
-/// Responses are finite or refused, from no loss to a loss factor of ten and from a millimetre to a
-/// kilometre.
+/// Checks that responses are finite for loss factors from 1e-300 to 1e300 and rods from 1 mm to 1
+/// km, and finite or refused for extreme parameters and cells.
 #[test]
 fn responses_stay_finite_at_the_ends() {
     let flat = LinearModel::new(ConstantQ::default());

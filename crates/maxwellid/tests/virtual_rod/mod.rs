@@ -1,6 +1,5 @@
-//! Virtual tests for the tests of the fit, with the striker and the recorder of paper D. The
-//! response is that of the lumped chain to the excitation before sampling, extrapolated from two
-//! grids.
+//! Virtual tests with the striker and the recorder of paper D. The response is computed by the
+//! lumped chain, driven by the excitation before sampling, and extrapolated from two grids.
 #![allow(dead_code, reason = "each file of tests uses what it needs")]
 
 use maxwellid::{Provenance, RodTestData};
@@ -92,8 +91,7 @@ impl VirtualRod {
         data
     }
 
-    /// The displacements \[m\] whose velocities these are, by the integral of the band-limited
-    /// histories.
+    /// The displacements \[m\], the integrals of the band-limited velocity histories.
     pub(crate) fn displacements(&self) -> RodTestData {
         let mut data = self.data.clone();
         for history in [&mut data.excitation, &mut data.response] {
@@ -103,14 +101,14 @@ impl VirtualRod {
     }
 }
 
-/// White noise of `deviation` on both histories.
+/// Adds white noise of `deviation` to both histories.
 pub(crate) fn add_noise(data: &mut RodTestData, deviation: f64, seed: u64) {
     let mut noise = Noise::seeded(seed);
     data.excitation = noise.added_to(&data.excitation, deviation);
     data.response = noise.added_to(&data.response, deviation);
 }
 
-/// ∫ v dt at the samples, by Simpson's rule on sixteen points between them.
+/// Integral of `velocity` at the samples, by Simpson's rule with sixteen steps between two samples.
 fn integrated(velocity: &[f64]) -> Vec<f64> {
     let history = SampledHistory::new(velocity, RATE).unwrap();
     let step = 1.0 / RATE / 16.0;

@@ -1,4 +1,5 @@
-//! Virtual tests of two independent generators, with noise on both histories.
+//! Virtual tests simulated by the lumped chain or by `rodwave::line`, and by striker, rod and
+//! recorder in physical order.
 
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
 use maxwellid::{Provenance, RodTest, RodTestData};
@@ -88,8 +89,8 @@ fn times(record: &VelocityRecord) -> Vec<f64> {
     struck_rod::times(record.excitation.len(), record.sampling_rate_hz)
 }
 
-/// A test with the lumped chain's response to the excitation as recorded, because a recorder's
-/// filter does not commute with a nonlinear rod.
+/// A test with the lumped chain's response to the filtered excitation, because the filter of a
+/// recorder does not commute with a nonlinear rod.
 pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     let rod = rod(law, velocity);
     let record = rod.record().unwrap();
@@ -97,8 +98,8 @@ pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     Exact::by_the_chain(velocity, record.excitation, response.unwrap())
 }
 
-/// A test as [`by_the_chain`], of a standard solid: a branch with the law, in parallel with a
-/// spring that has `share` of the modulus.
+/// A test like that of [`by_the_chain`], of a standard solid: a branch of `law` in parallel with a
+/// spring that has the fraction `share` of the modulus.
 pub(crate) fn with_spring<L: InelasticLaw>(law: &L, share: f64, velocity: f64) -> Exact {
     let mut test = rod(law, velocity).test().unwrap();
     test.rod = test.rod.with_spring(share).unwrap();
@@ -111,9 +112,9 @@ pub(crate) fn with_spring<L: InelasticLaw>(law: &L, share: f64, velocity: f64) -
     Exact::by_the_chain(velocity, record.excitation, response.unwrap())
 }
 
-/// A Prony series whose loss factor is `loss_factor` from 0.2 to 20 kHz, to 1 % of itself, and
-/// whose modulus has the magnitude [`MODULUS`] at 4 kHz: the relaxation spectrum of the spring-pot
-/// in steps of a third of a decade.
+/// A Prony series with the relaxation spectrum of the spring-pot in steps of a third of a decade.
+/// Its loss factor is `loss_factor` within 1 % of itself from 0.2 to 20 kHz, and its modulus has
+/// the magnitude [`MODULUS`] at 4 kHz.
 pub(crate) fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
     let exponent = std::f64::consts::FRAC_2_PI * f64::atan(loss_factor);
     let pi = std::f64::consts::PI;
@@ -130,13 +131,12 @@ pub(crate) fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
             relaxation_time,
         })
         .collect();
-    // branches slower than the slowest do not relax within the record
+    // the spring represents slower branches, which do not relax within the record
     let spring = strength / exponent * (REFERENCE_OMEGA * slowest).powf(-exponent);
     GeneralisedMaxwell::new(spring, branches).unwrap()
 }
 
-/// A test with the response of `rodwave::line`, with parallel branches, to the excitation as
-/// recorded.
+/// A test with the response of `rodwave::line`, with parallel branches, to the filtered excitation.
 pub(crate) fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact {
     of_segment(
         Segment::prony(LENGTH, 1e-4, DENSITY, material).unwrap(),
@@ -145,10 +145,10 @@ pub(crate) fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact
     )
 }
 
-/// A test as [`by_the_line`], of a linear material in parallel with a branch of Norton's `law`,
-/// which has the modulus `modulus` \[Pa\]. Linear branches that relax within a step of the line
-/// lose too much: with steps of 1.5 us loss factor and rate would be off by 9 and 40 standard
-/// errors.
+/// A test like that of [`by_the_line`], of a linear `material` in parallel with a branch of
+/// Norton's `law` with the modulus `modulus` \[Pa\]. The step is short, because linear branches
+/// that relax within a step of the line dissipate too much: with steps of 1.5 us loss factor and
+/// rate would be off by 9 and 40 standard errors.
 pub(crate) fn beside_a_branch(
     material: &GeneralisedMaxwell,
     (modulus, law): (f64, MaxwellNorton),
@@ -240,15 +240,15 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(cases: &[T], of: impl Fn(&T) -> R + 
     })
 }
 
-/// A test in physical order, striker, rod, filter, samples: both histories pass through the
+/// A test in physical order: striker, rod, filter, sampling. Both histories pass through the
 /// recorder.
 pub(crate) fn in_order<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     Exact::in_order(velocity, rod(law, velocity).record().unwrap())
 }
 
 /// A test with a rounded striker: the excitation is that of a flat striker, smoothed by a normal
-/// density of `deviation` \[s\]. The lumped chain is driven by the samples, so that a recorder
-/// loses nothing.
+/// density of `deviation` \[s\]. The lumped chain is driven by these samples, so that no filter
+/// acts on the excitation.
 pub(crate) fn rounded<L: InelasticLaw>(law: &L, velocity: f64, deviation: f64) -> Exact {
     let rod = rod(law, velocity);
     let record = rod.record().unwrap();
