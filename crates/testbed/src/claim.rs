@@ -12,10 +12,11 @@ use crate::generated::write_whole;
 /// Environment variable that names the folder for the rows of claims.
 pub const FOLDER: &str = "RODLAB_CLAIMS";
 
-/// Text of a claim. The alias prevents the derived reader from borrowing the text from its input.
+/// Text of a claim. Without the alias, the derived `Deserialize` would borrow the text from its
+/// input.
 pub type Words = &'static str;
 
-/// Number known from a source other than our computation, with a tolerance.
+/// Number known from a source other than the program, with a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Claim {
     /// Description without the number. No two claims of a crate have the same description: crate
@@ -74,7 +75,7 @@ pub enum NotMeasured {
     Refused(String),
 }
 
-/// Input of a claim, or any error of a crate.
+/// Input of a claim, or an error of any crate.
 pub type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// Reads a text of a row and keeps it in memory until the task ends.
@@ -136,7 +137,7 @@ impl Claims {
         self
     }
 
-    /// Claims that `what` equals `expected`, in `unit`.
+    /// Adds the claim that `what` equals `expected`, in `unit`.
     pub fn claim(
         &mut self,
         what: impl Into<String>,
@@ -151,7 +152,7 @@ impl Claims {
         self.checks.push(Check::of(claim, ours));
     }
 
-    /// Claims that a relative deviation is zero.
+    /// Adds the claim that a relative deviation is zero.
     pub fn deviation(&mut self, what: impl Into<String>, within: Within, ours: Ours) {
         self.claim(what, "1", 0.0, within, ours);
     }
@@ -237,19 +238,19 @@ macro_rules! hold {
     };
 }
 
-/// Returns one of several numbers that were computed together.
+/// Returns `number` of the value in `found`, or the reason why it is missing.
 pub fn of<T>(found: &Ours<T>, number: impl FnOnce(&T) -> f64) -> Ours {
     found.as_ref().map(number).map_err(Clone::clone)
 }
 
-/// An error of the libraries counts as a missing number.
+/// Converts an error of a library to the reason why a number is missing.
 impl<E: Error> From<E> for NotMeasured {
     fn from(error: E) -> Self {
         refused(&error)
     }
 }
 
-/// Returns the reason for a missing input of a claim.
+/// Returns the reason that `what`, an input of a claim, is missing.
 pub fn missing(what: &str) -> NotMeasured {
     NotMeasured::Refused(format!("{what} is missing"))
 }

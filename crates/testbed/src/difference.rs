@@ -25,7 +25,7 @@ pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     }
 }
 
-/// Returns the largest error of several cases.
+/// Returns the largest `error` of several `cases`, or the first failure.
 pub fn worst<T>(cases: impl IntoIterator<Item = T>, error: impl FnMut(T) -> Found) -> Found {
     let errors: Result<Vec<f64>, _> = cases.into_iter().map(error).collect();
     Ok(largest(errors?))

@@ -1,5 +1,5 @@
-//! Files written by a task: each is complete or absent, and the code that writes a file also checks
-//! it.
+//! Writing and checking of generated files. A file is written completely or not at all, and one
+//! function writes it or checks it.
 
 use std::fs;
 use std::io::{self, Write};
@@ -34,8 +34,8 @@ pub fn workspace_root() -> &'static Path {
         .unwrap_or(Path::new("."))
 }
 
-/// Writes `contents` to `path` through a temporary file in the same folder: `path` is never half
-/// written.
+/// Writes `contents` to `path` through a temporary file in the same folder, so that `path` never
+/// contains a part of them.
 pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     let fail = |source| GeneratedError::Io {
         path: path.to_path_buf(),
@@ -46,7 +46,8 @@ pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
-        // readable by others, as a file written by any other program is; the umask still applies
+        // the usual permissions of a new file, to which the umask applies; a temporary file has
+        // none for others
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }

@@ -1,8 +1,7 @@
-//! A shot on split Hopkinson bars, computed in the order of an experiment: a force on the incident
-//! bar, waves through bars and specimen, gauges with errors, an averaging recorder, noise, a
-//! converter.
+//! A shot on split Hopkinson bars, computed in the order of an experiment: force on the incident
+//! bar, waves in bars and specimen, gauges with errors, averaging recorder, noise, converter.
 //!
-//! The waves are marched along characteristics in time, without transforms and without propagation
+//! The waves are computed along characteristics in time, without transforms and propagation
 //! coefficients.
 #![allow(
     clippy::cast_possible_truncation,
@@ -31,18 +30,18 @@ pub struct HopkinsonRig {
     pub lengths: [f64; 2],
     /// Distances of the gauges of each bar from the specimen \[m\].
     pub gauges: [Vec<f64>; 2],
-    /// Rise, duration and fall \[s\] of the force on the incident bar. The field `force` is the
-    /// largest value \[N\], positive in compression.
+    /// Rise, duration and fall \[s\] of the force on the incident bar, whose largest value is
+    /// `force` \[N\], positive in compression.
     pub pulse: [f64; 3],
     pub force: f64,
-    /// Longest step of the march \[s\].
+    /// Longest time step \[s\].
     pub step: f64,
     /// Times before and after the start of the pulse \[s\].
     pub before: f64,
     pub after: f64,
 }
 
-/// Exact histories of a shot, `step` \[s\] apart, starting with the pulse.
+/// Exact histories of a shot, with samples `step` \[s\] apart from the start of the pulse on.
 #[derive(Debug, Clone)]
 pub struct HopkinsonTruth {
     pub step: f64,
@@ -57,7 +56,7 @@ pub struct HopkinsonTruth {
     pub ledger: Ledger,
 }
 
-/// Errors of the measurement in one laboratory.
+/// Errors of gauges and recorder.
 #[derive(Debug, Clone)]
 pub struct RecorderErrors {
     /// Factor of each gauge of each bar.
@@ -71,7 +70,7 @@ pub struct RecorderErrors {
 }
 
 impl HopkinsonRig {
-    /// Creates bars of a polyamide with a loss factor of some 4 % at 5 to 20 kHz.
+    /// Creates bars of a polyamide with a loss factor of about 4 % at 5 to 20 kHz.
     pub fn nylon() -> Result<Self, RodwaveError> {
         let branch = |modulus: f64, relaxation_time: f64| MaxwellBranch {
             modulus,
@@ -105,14 +104,14 @@ impl HopkinsonRig {
         let body = Body::new(segments.into_iter().flatten())?;
         let ([rise, duration, fall], peak) = (self.pulse, self.force);
         let force = move |t: f64| {
-            // edges that are half a period of a cosine
+            // each edge is half a period of a cosine
             let edge = |part: f64| 0.5 - 0.5 * (std::f64::consts::PI * part.clamp(0.0, 1.0)).cos();
             peak * edge(t / rise).min(edge((duration - t) / fall))
         };
         let line = Line::new([body])?
             .with_left_end(End::Force(Drive::of(force)))?
             .with_speed_tolerance(2e-4)?;
-        // the faces, just inside the bars
+        // gauges at the faces, 1 um inside the bars
         let inside = 1e-6;
         let mut places: Vec<f64> = self.gauges[0].iter().map(|d| first - d).collect();
         places.extend(self.gauges[1].iter().map(|d| first + between + d));
@@ -146,8 +145,8 @@ impl HopkinsonRig {
 }
 
 impl HopkinsonTruth {
-    /// Returns the samples of all gauges at `rate` \[Hz\]. Each sample is a mean over two sampling
-    /// intervals around it, with triangular weights.
+    /// Returns the samples of all gauges at `rate` \[Hz\]. Each sample is a mean over the two
+    /// sampling intervals around it, with triangular weights.
     pub fn recorded(&self, rate: f64, errors: &RecorderErrors, seed: u64) -> [Vec<Vec<f64>>; 2] {
         let mut noise = Noise::seeded(seed);
         let mut out = [Vec::new(), Vec::new()];
@@ -174,8 +173,8 @@ impl HopkinsonTruth {
         out
     }
 
-    /// Returns the mean of a history that the recorder takes at a `time` \[s\] since the start of
-    /// the record.
+    /// Returns the sample of an exact history that the recorder takes at a `time` \[s\] from the
+    /// start of the record, without errors.
     pub fn seen(&self, history: &[f64], rate: f64, time: f64) -> f64 {
         self.mean(history, time - self.before, 1.0 / rate)
     }

@@ -1,7 +1,7 @@
-//! Common code of the tests of all crates: the tables of the papers in SI, claims with their rows,
+//! Common code of the tests of all crates: tables of the papers in SI, claims, virtual experiments,
 //! measured records, generated files.
 //!
-//! Not published. No code in this crate computes a result of our crates.
+//! The crate is not published. No code in this crate computes a result of the other crates.
 #![allow(
     missing_docs,
     clippy::missing_errors_doc,

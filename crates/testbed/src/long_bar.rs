@@ -1,9 +1,8 @@
-//! A shot on a long bar, computed in the order of an experiment: the force of a striker, waves
-//! between two free ends or between a free end and a mass, gauges with gains, a filter, noise, a
-//! converter.
+//! A shot on a long bar, computed in the order of an experiment: force of a striker, waves between
+//! two free ends or between a free end and a mass, gauges with gains, filter, noise, converter.
 //!
-//! One-dimensional waves follow from their transforms on a damped line, without transition matrices
-//! and without an inversion.
+//! The one-dimensional waves are computed by damped Fourier transforms, without transition
+//! matrices.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,8 +11,7 @@ use rodwave::fourier::RealFourier;
 
 use crate::noise::Noise;
 
-/// Round bar with strain gauges, struck at x = 0 and free at x = `length`, where it may have a
-/// mass.
+/// Round bar with strain gauges, struck at x = 0, with a free end or a mass at x = `length`.
 #[derive(Debug, Clone)]
 pub struct LongBar {
     /// Modulus E(s) \[Pa\] in the right half plane.
@@ -31,7 +29,7 @@ pub struct LongBar {
     /// Sampling rate \[Hz\].
     pub rate: f64,
     pub n_samples: usize,
-    /// Silence before the impact \[s\].
+    /// Time before the impact \[s\].
     pub before: f64,
     /// Standard deviation of the noise relative to the largest strain.
     pub noise: f64,
@@ -65,7 +63,8 @@ impl LongBar {
     /// Returns the records of one shot, with one row per gauge; `gains` contains the sensitivities
     /// of the gauges.
     pub fn shot(&self, gains: &[f64], seed: u64) -> Vec<Vec<f64>> {
-        // long enough for later arrivals to be below rounding; the damping costs half of the digits
+        // the period is so long that the wrap-around is below rounding; the damping reduces the
+        // accuracy to half of the digits
         let n = 4 * self.n_samples;
         let period = n as f64 / self.rate;
         let damping = 20.0 / period;
@@ -86,10 +85,10 @@ impl LongBar {
                     let s = Complex64::new(damping, TAU * line as f64 / period);
                     let modulus = (self.modulus)(s);
                     let gamma = s * (self.density / modulus).sqrt();
-                    // fraction of a strain wave that returns from the end with the opposite sign
+                    // reflection coefficient of strain at the end, with the opposite sign
                     let held = self.end_mass * s * s / (area * modulus * gamma);
                     let back = (1.0 - held) / (1.0 + held);
-                    // sinh γ(L - x)/sinh γL in a form without terms that overflow
+                    // sinh γ(L - x)/sinh γL for a free end, without terms that overflow
                     let shape = ((-gamma * x).exp()
                         - back * (-gamma * (2.0 * self.length - x)).exp())
                         / (1.0 - back * (-2.0 * gamma * self.length).exp());

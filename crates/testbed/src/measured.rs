@@ -1,9 +1,9 @@
-//! Location of measured records, for the tests of all crates that read them.
+//! Location of the measured records that tests read.
 
 use std::path::{Path, PathBuf};
 
 /// Returns the folder of measured records: the one named by `RODLAB_DATA` or, without the variable,
-/// `../shared/data` next to the repository. If neither exists, reports on the standard error that
+/// `../shared/data` next to the repository. If neither exists, prints to the standard error that
 /// the test is skipped.
 ///
 /// # Panics

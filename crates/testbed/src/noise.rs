@@ -1,4 +1,4 @@
-//! Normal errors with a known seed.
+//! Normally distributed errors with a known seed.
 
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -40,12 +40,13 @@ impl Noise {
         noisy.collect()
     }
 
-    /// Returns an error with E|z|² = `variance`, half in each part.
+    /// Returns a complex error z with E|z|² = `variance`, half of it in the real and half in the
+    /// imaginary part.
     pub fn circular(&mut self, variance: f64) -> Complex64 {
         (0.5 * variance).sqrt() * Complex64::new(self.normal(), self.normal())
     }
 
-    /// Returns spectra or ratios with noise of this variance on each line.
+    /// Returns the spectrum or ratio `clean` with noise of this `variance` on each line.
     pub fn on(&mut self, clean: &[Complex64], variance: &[f64]) -> Vec<Complex64> {
         let lines = clean.iter().zip(variance);
         lines.map(|(value, v)| value + self.circular(*v)).collect()

@@ -1,7 +1,7 @@
-//! Tables of the papers: as printed, converted to SI, and as typed values.
+//! Tables of the papers, as printed, converted to SI, and as typed values.
 //!
-//! The module reads the transcribed tables of `fixtures/papers`. It calls none of our numerical
-//! code, which keeps the reference independent.
+//! The module reads the transcribed tables of `fixtures/papers`. The tables are converted without
+//! numerical code of the other crates, so that they are an independent reference.
 
 pub mod decimal;
 pub mod error;
@@ -24,7 +24,7 @@ use self::error::FixtureError;
 use self::printed_table::PrintedTable;
 use self::si_table::SiTable;
 
-/// Folder of the transcribed work, relative to the root of the workspace.
+/// Folder of the tables of the transcribed thesis, relative to the root of the workspace.
 pub const PAPERS: &str = "fixtures/papers/odeen1993";
 /// File with the readings of the units of paper D; it is not a table of the paper.
 const READINGS: &str = "paper_d_readings.ron";
@@ -44,7 +44,7 @@ pub fn transcribed_table(file: &str) -> Result<SiTable, FixtureError> {
     PrintedTable::read(&workspace_root().join(PAPERS).join(file))
 }
 
-/// Returns the contents of `folder`, sorted: the order does not depend on the file system.
+/// Returns the paths in `folder` in sorted order, which does not depend on the file system.
 pub fn files(folder: &Path) -> Result<Vec<PathBuf>, FixtureError> {
     let fail = |source| FixtureError::Io {
         path: folder.to_path_buf(),
@@ -98,8 +98,8 @@ mod tests {
         assert_eq!(listed, found);
     }
 
-    /// Eqs. 3 and 4 give γL back from Ψ = cosh γL with the integers of the reconstructed Table 1
-    /// (Ödeen 1993, paper A, eqs. 3 and 4).
+    /// Checks that γL follows from Ψ = cosh γL by (Ödeen 1993, paper A, eqs. 3 and 4) with the
+    /// integers of the reconstructed Table 1.
     #[test]
     fn the_branches_of_paper_a_invert_the_hyperbolic_cosine() {
         let table = transcribed_table("paper_a_table_1_branches.ron").unwrap();
@@ -128,7 +128,8 @@ mod tests {
                 let alpha = (c - a).sqrt().asinh();
                 let beta = (c + a).sqrt().asin();
                 let k = integer("s") * beta + integer("n") * std::f64::consts::PI;
-                // Rounding of 1 - r² and of the arc sine near π/2 costs some of the sixteen digits.
+                // tolerance: rounding of 1 - r² and of the arc sine near π/2, which loses some of
+                // the sixteen digits
                 assert!(
                     (Complex64::new(alpha, k) - expected).norm() < 1e-12,
                     "{} at {part}",
@@ -138,7 +139,7 @@ mod tests {
         }
     }
 
-    /// The values of paper D that the survey repeats agree with paper D.
+    /// Checks that the values of paper D that the survey repeats agree with paper D.
     #[test]
     fn the_survey_repeats_paper_d() {
         let survey = |name: &str| {

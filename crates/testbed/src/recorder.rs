@@ -1,5 +1,5 @@
-//! Hits on a rod as an analyser records them. The exact histories are filtered once; every hit has
-//! its own strength, noise and rounding.
+//! Records of hits on a rod by an analyser. The exact histories are filtered once; each hit is
+//! scaled by its own strength and has its own noise and rounding.
 
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
 use labio::{
@@ -16,7 +16,7 @@ use rodwave::synthesis::DampedSynthesis;
 
 /// Sampling rate \[Hz\]. Like the constants below, it is not stated in the papers.
 pub const RATE_HZ: f64 = 65_536.0;
-/// Number of samples of a history per sample of the recorder.
+/// Number of samples of an exact history per sample of the recorder.
 pub const OVERSAMPLING: usize = 8;
 /// Number of samples before a hit on an end.
 pub const LEAD: usize = 64;
@@ -24,7 +24,8 @@ pub const LEAD: usize = 64;
 pub const BLOW: (f64, f64) = (100.0, 8e-5);
 /// Noise of a sensor, relative to the peak of its signal.
 pub const NOISE: f64 = 2e-4;
-/// Range of the converter, relative to the peak: the strengths of the hits differ by ± 10 %.
+/// Range of the converter, relative to the peak of a hit of strength 1: the strengths of the hits
+/// differ by ± 10 %.
 const RANGE: f64 = 1.25;
 const FINER: f64 = OVERSAMPLING as f64;
 /// Corner frequency of the anti-alias filter \[Hz\].
@@ -111,7 +112,7 @@ impl Recorder {
         (0..count).map(|_| blow()).collect()
     }
 
-    /// Returns the average of the spectra of some records.
+    /// Returns the averaged spectra of `records`.
     pub fn averaged(&self, records: &[Record]) -> Result<AveragedSpectra, LabioError> {
         let mut averager = SpectrumAverager::for_records_like(&self.filtered, self.window)?;
         for record in records {
@@ -126,16 +127,16 @@ pub fn name(index: usize) -> String {
     format!("sensor {index}")
 }
 
-/// Returns `history`, with the oversampling of the recorder, after a rest of `lead` samples. The
-/// total length is `n_samples` samples of the recorder.
+/// Returns `history`, which has [`OVERSAMPLING`] values per sample of the recorder, after `lead`
+/// samples at rest. The total length is `n_samples` samples of the recorder.
 pub fn after_rest(history: &[f64], lead: usize, n_samples: usize) -> Vec<f64> {
     let rest = std::iter::repeat_n(0.0, lead * OVERSAMPLING);
     let whole = rest.chain(history.iter().copied());
     whole.take(n_samples * OVERSAMPLING).collect()
 }
 
-/// Returns the exact accelerations of the struck and the free end of a specimen, after a rest of
-/// [`LEAD`] samples, for `n_samples` samples of the recorder.
+/// Returns the exact accelerations of the struck and the free end of a specimen, after [`LEAD`]
+/// samples at rest, for `n_samples` samples of the recorder.
 pub fn end_accelerations(
     medium: &Medium<ConstantQ>,
     specimen: &Specimen,
@@ -143,7 +144,7 @@ pub fn end_accelerations(
 ) -> Result<[Vec<f64>; 2], RodwaveError> {
     let interval = 1.0 / (RATE_HZ * FINER);
     let duration = (n_samples * OVERSAMPLING) as f64 * interval;
-    // a smoothing of 2.5 intervals leaves no ringing; both ends have the same
+    // a smoothing over 2.5 intervals leaves no ringing, and is the same for both ends
     let synthesis = DampedSynthesis::new(duration, interval)?.smoothed(2.5 * interval)?;
     let exact = EndAccelerationTest::analytic(medium, specimen)?
         .record(&RaisedCosine::new(BLOW.0, BLOW.1)?, &synthesis)?;

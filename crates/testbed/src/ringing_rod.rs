@@ -1,5 +1,5 @@
-//! Free metal rod struck at one end. Its ringing is computed from the wave solution in the Laplace
-//! domain, not from a sum of modes; its record has noise and 16-bit rounding.
+//! Free metal rod that is struck at one end. The ringing is computed from the wave solution in the
+//! Laplace domain, not from a sum of modes; the record has noise and 16-bit rounding.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -16,8 +16,8 @@ pub struct RingingRod {
     pub diameter: f64,
     /// Density [kg/m³].
     pub density: f64,
-    /// Magnitude of E at 5 kHz \[Pa\]. It grows as a power of frequency, as it does with a constant
-    /// loss factor.
+    /// Magnitude of E at 5 kHz \[Pa\]. E is a power of the frequency, which corresponds to a
+    /// constant loss factor.
     pub modulus: f64,
     pub loss_factor: f64,
     /// Mass of the accelerometer \[kg\].
@@ -27,7 +27,7 @@ pub struct RingingRod {
 }
 
 impl RingingRod {
-    /// Creates a steel bar of 600 mm by 12 mm.
+    /// Creates a steel bar with a length of 600 mm and a diameter of 12 mm.
     pub fn steel(loss_factor: f64) -> Self {
         Self {
             length: 0.6,
@@ -45,8 +45,8 @@ impl RingingRod {
         self.modulus * (s / (TAU * 5e3)).powf(self.loss_factor / FRAC_PI_2)
     }
 
-    /// Returns the acceleration of the far end without errors, from the start of a hit on the near
-    /// end, which is a half sine of 60 us.
+    /// Returns the exact acceleration of the far end from the start of a hit on the near end. The
+    /// force of the hit is a half sine of 60 us.
     pub fn ringing(&self, n_samples: usize) -> Vec<f64> {
         const DURATION: f64 = 60e-6;
         let n = 4 * n_samples;
@@ -63,7 +63,7 @@ impl RingingRod {
             let way = gamma * self.length;
             let echo = (-2.0 * way).exp();
             let mass = self.end_mass * s * s / (area * e * gamma);
-            // cosh and sinh without overflow
+            // cosh and sinh times e^(-γL), which do not overflow
             let (cosh, sinh) = (0.5 * (1.0 + echo), 0.5 * (1.0 - echo));
             *value = s * s * force * (-way).exp() / (area * e * gamma * (sinh + mass * cosh));
             // the filter of the recorder
@@ -76,7 +76,8 @@ impl RingingRod {
             .collect()
     }
 
-    /// Returns the record of a history in 16 bits, with `noise` relative to its largest value.
+    /// Returns the record of the history `exact` with 16 bits, and with `noise` relative to its
+    /// largest value.
     pub fn recorded(exact: &[f64], noise: f64, seed: u64) -> Vec<f64> {
         let largest = exact.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let step = largest / 32768.0;

@@ -1,10 +1,10 @@
-//! Hand-written RON: gives a value of the schema, or the place of the error in the file.
+//! Reading of hand-written RON, with the place of an error in the file.
 
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-/// The file is not RON, or it does not fit the schema. `text` is the line that names the field.
+/// Error of a file that is not RON or does not fit the schema. `text` is the line of the error.
 #[derive(Debug, thiserror::Error)]
 #[error("{}, line {line}, column {column}: {reason}, in `{text}`", path.display())]
 pub struct RonError {
@@ -15,7 +15,7 @@ pub struct RonError {
     reason: String,
 }
 
-/// Reads a value from `text`; `path` is for messages.
+/// Reads a value from `text`; `path` is used in messages only.
 pub fn parse_ron<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, RonError> {
     ron::from_str(text).map_err(|error| {
         let at = error.span.start;

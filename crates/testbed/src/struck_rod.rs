@@ -1,5 +1,5 @@
-//! A rod struck as in paper D: striker, rod, filter and samples, in the order of an experiment; and
-//! the response of the lumped chain, which is independent of the solver used for the
+//! A rod struck as in paper D, in the order of an experiment (striker, rod, filter, sampling), and
+//! responses computed by the lumped chain, which is independent of the solver used for the
 //! identification.
 
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -14,7 +14,8 @@ use rodwave::{InelasticRod, RodwaveError};
 #[derive(Debug, Clone)]
 pub struct StruckRod<L> {
     pub striker: Striker,
-    /// Length of the rod, and distance of the section of the excitation from the free end \[m\].
+    /// Length of the rod and distance from the section where the excitation is measured to the free
+    /// end \[m\].
     pub rod_length: f64,
     pub section_distance: f64,
     pub diameter: f64,
@@ -29,8 +30,8 @@ pub struct StruckRod<L> {
 }
 
 impl<L: InelasticLaw> StruckRod<L> {
-    /// Creates a rod of 16 mm that the striker of paper D hits at `velocity` [m/s]. The section of
-    /// the excitation is 8 mm from the struck end and `length` \[m\] from the free end.
+    /// Creates a rod with a diameter of 16 mm that the striker of paper D hits at `velocity` [m/s].
+    /// The excitation is measured 8 mm from the struck end and `length` \[m\] from the free end.
     pub fn of_16_mm(
         law: &L,
         velocity: f64,
@@ -78,7 +79,7 @@ impl<L: InelasticLaw> StruckRod<L> {
     /// chain of `cells` cells.
     ///
     /// If the excitation has passed the filter of a recorder, the response must not be filtered
-    /// again: the filter does not commute with a nonlinear rod.
+    /// too, because the filter does not commute with a nonlinear rod.
     pub fn by_chain(
         &self,
         cells: usize,
@@ -106,8 +107,8 @@ impl<L: InelasticLaw> StruckRod<L> {
     }
 }
 
-/// Returns `count` samples of a pulse of 8 m/s with the shape of a normal density; its crest is at
-/// sample `crest`, and it falls to 1/e within `width` samples.
+/// Returns `count` samples of a Gaussian pulse of 8 m/s with its crest at sample `crest`. The pulse
+/// falls to 1/e within `width` samples.
 pub fn pulse(count: u32, crest: f64, width: f64) -> Vec<f64> {
     let at = |k| 8.0 * (-((f64::from(k) - crest) / width).powi(2)).exp();
     (0..count).map(at).collect()
@@ -127,8 +128,8 @@ pub fn driven_by_samples<L: InelasticLaw>(
 }
 
 /// Returns the velocity of the free end of a driven `segment` at `times` \[s\], computed by
-/// `rodwave::line` in steps of `step` \[s\]. The last three samples are not computed: they are
-/// beyond every window.
+/// `rodwave::line` in steps of `step` \[s\]. The last three samples, which no window contains, are
+/// set to an earlier value.
 pub fn by_line(
     segment: Segment,
     excitation: &SampledHistory,
@@ -139,7 +140,7 @@ pub fn by_line(
     let line = Line::new([Body::new([segment])?])?.with_left_end(End::Velocity(drive))?;
     let duration = times.iter().rev().nth(3).copied().unwrap_or_default();
     let run = line.run(step, duration, &[])?;
-    // the velocities of the ends are those at the middle of the steps
+    // `ends` contains the velocities at the middle of the steps
     let step = run.grid.time_step;
     let [_, free] = &run.ends;
     let end = SampledHistory::new(&free.velocity, 1.0 / step)?;
@@ -152,8 +153,9 @@ pub fn times(count: usize, rate_hz: f64) -> Vec<f64> {
     (0..count).map(|k| k as f64 / rate_hz).collect()
 }
 
-/// Returns the excitation by a striker with a rounded end at `times`: the excitation by a `flat`
-/// end, smoothed by a normal density with the standard deviation `deviation` \[s\].
+/// Returns the excitation by a striker with a rounded end at `times`: the excitation `flat` by a
+/// striker with a flat end, smoothed by a normal density with the standard deviation `deviation`
+/// \[s\].
 pub fn rounded(flat: &SampledHistory, times: &[f64], deviation: f64) -> Vec<f64> {
     let end = times.last().copied().unwrap_or_default();
     let places: Vec<f64> = (-40..=40).map(|k| 0.1 * f64::from(k)).collect();

@@ -1,7 +1,7 @@
 //! Exact decimal arithmetic on printed digits.
 //!
-//! `40.85 GPa s` is 40.85·10⁹ Pa s: the point is shifted, and no binary numbers are multiplied.
-//! Only the last step, from the shifted text to the nearest `f64`, rounds.
+//! For example, `40.85 GPa s` becomes 40.85·10⁹ Pa s by a shift of the decimal point, not by a
+//! product of binary numbers. Only the conversion of the result to the nearest `f64` rounds.
 
 /// Number `digits` · 10^`exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,8 +16,7 @@ impl Decimal {
         Self { digits, exponent }
     }
 
-    /// Reads numbers such as `38.16`, `-1`, `4.55e-21`. The last digit is the last printed one,
-    /// zeros included.
+    /// Reads numbers such as `38.16`, `-1`, `4.55e-21`. Trailing zeros are kept as printed digits.
     pub fn parse(text: &str) -> Option<Self> {
         let (mantissa, exponent) = match text.split_once('e') {
             Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
@@ -112,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_shift_of_the_point_gives_the_float_of_the_written_number() {
-        // The product of floats would be inexact; the digits are therefore shifted as text.
+        // the product of floats is inexact, as the last assertion shows
         let shift = |text: &str, exponent| {
             Decimal::parse(text)
                 .and_then(|number| number.times(Decimal::new(1, exponent)))

@@ -13,10 +13,10 @@ pub enum FixtureError {
     /// A file or folder could not be read.
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    /// The file is not RON, or it does not fit the schema. `text` is the line that names the field.
+    /// A file is not RON, or it does not fit the schema.
     #[error(transparent)]
     Syntax(#[from] RonError),
-    /// The number of cells of a row differs from the number of columns of the table.
+    /// The number of cells in a row differs from the number of columns of the table.
     #[error("{}, row {row}: {found} cells, expected {expected}", path.display())]
     RowWidth {
         path: PathBuf,

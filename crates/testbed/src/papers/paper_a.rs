@@ -24,11 +24,11 @@ pub struct PaperA {
     pub frequency_of_figure_6: f64,
     /// Highest frequency with results, in Hz.
     pub highest_hz: f64,
-    /// Mass ratio below which series and iteration did not differ significantly.
+    /// Mass ratio below which the results by series and by iteration did not differ significantly.
     pub mass_ratio_highest: f64,
     /// Table 2.
     pub tests: Vec<Test>,
-    /// Table 1, as restored.
+    /// Table 1, as reconstructed.
     pub branches: Vec<Turn>,
 }
 
@@ -42,7 +42,7 @@ pub struct Test {
     pub density: f64,
 }
 
-/// Quarter turn of kL.
+/// Row of Table 1 (Ödeen 1993, paper A, Table 1), for one quarter turn of kL.
 #[derive(Debug, Clone)]
 pub struct Turn {
     pub interval: String,
@@ -54,8 +54,8 @@ pub struct Turn {
 }
 
 /// Polypropylene at room temperature and polyamide 6: modulus in Pa, loss factor, and the angular
-/// frequency to which the modulus applies. The modulus of the polyamide is that of paper E, eq. 7,
-/// at 3 kHz.
+/// frequency to which the modulus applies. The modulus of polyamide 6 is that of (Ödeen 1993, paper
+/// E, eq. 7) at 3 kHz.
 pub const POLYPROPYLENE: (f64, f64, f64) = (2.6e9, 0.07, 1e4);
 pub const POLYAMIDE: (f64, f64, f64) = (2.5935e9, 0.0936, 1.885e4);
 

@@ -1,4 +1,4 @@
-//! Paper D as typed values: input for the reproduction of its tables, and values for comparison.
+//! Paper D as typed values: inputs for the reproduction of its tables, and values for comparison.
 
 mod law;
 mod readings;
@@ -99,8 +99,8 @@ pub struct AppendixRow {
     pub parameters: Vec<AppendixParameter>,
 }
 
-/// Projectile. Paper D gives neither density nor modulus; those of the aluminium of paper E are
-/// used.
+/// Projectile. Paper D states neither its density nor its modulus; those of the aluminium of paper
+/// E are used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Striker {
     /// Length in m
@@ -129,7 +129,7 @@ pub struct PaperD {
     pub sampling_rate: f64,
     /// Number of parameter vectors for each model, about sixty.
     pub standard_samples_per_model: f64,
-    /// Reason why every result names its reading of the units.
+    /// Explanation that no reading of the units is consistent.
     pub no_consistent_reading: String,
     /// Tables 4 and A1: one pair per reading, in the order of [`UnitReading::ALL`].
     by_reading: [(Vec<IdentifiedMaterial>, Vec<AppendixRow>); 3],
@@ -202,9 +202,9 @@ mod tests {
 
     #[test]
     fn realistic_values_damp_as_the_materials_are_known_to() {
-        // tan δ = E F(σ)/(ω σ) at a frequency and a stress that are typical of the impact: at the
-        // corner frequency Z/(2π M) of a projectile of mass M on a rod of impedance Z, and at σ =
-        // σ_0/2, half the stress behind the first front, σ_0 = V_0 ρ c Z_p/(Z_p + Z).
+        // tan δ = E F(σ)/(ω σ) at a frequency and a stress that are typical of the impact: the
+        // corner frequency Z/(2π M) of a projectile of mass M on a rod of impedance Z, and half of
+        // the stress behind the first front, σ_0 = V_0 ρ c Z_p/(Z_p + Z)
         let known = [
             ("Polypropylene", 0.05..0.08),
             ("Polyamide 6", 0.02..0.09),
@@ -246,8 +246,8 @@ mod tests {
             };
             let corner = impedance / striker_mass;
             let loss_factor = modulus * strain_rate / (corner * stress);
-            // A quarter beyond the known range is allowed: the loss factors are known to one digit,
-            // and σ_0/2 is a convention.
+            // tolerance: a quarter of the known range, because the loss factors are known to one
+            // digit and σ_0/2 is a convention
             assert!(
                 (0.8 * range.start..1.25 * range.end).contains(&loss_factor),
                 "{material}: tan δ = {loss_factor}"
@@ -255,7 +255,7 @@ mod tests {
         }
     }
 
-    /// Tests and set-up are those of the print (Ödeen 1993, paper D, Table 2).
+    /// Checks that tests and set-up are as printed (Ödeen 1993, paper D, Table 2).
     #[test]
     fn tests_and_set_up_are_those_of_the_print() {
         let paper = load().unwrap();
@@ -277,7 +277,7 @@ mod tests {
             assert_eq!(test.transducer_range, if index < 5 { 0.005 } else { 0.020 });
             assert!(
                 test.section_distance < test.rod_length,
-                "test {}: the excitation is read inside the rod",
+                "test {}: the section of the excitation is not inside the rod",
                 test.test
             );
         }

@@ -38,7 +38,7 @@ pub struct PaperE {
     /// Distance of the strain gauges from the impacted end of the rod.
     pub gauge_distance: f64,
     pub strain_sample_period: f64,
-    /// TCA, TCB, CCA, CCB.
+    /// Cases TCA, TCB, CCA, CCB.
     pub cases: Vec<Case>,
 }
 
@@ -57,7 +57,8 @@ impl PaperE {
         self.samples as usize
     }
 
-    /// "Only the low-frequency halves of the spectra were used."
+    /// Returns the number of spectral lines used: "only the low-frequency halves of the spectra
+    /// were used" (Ödeen 1993, paper E).
     pub fn n_lines(&self) -> usize {
         self.n_samples() / 4 + 1
     }
@@ -74,7 +75,7 @@ pub struct Hammer {
 #[derive(Debug, Clone)]
 pub struct Case {
     pub name: String,
-    /// V in m/s
+    /// Impact velocity V in m/s.
     pub impact_velocity: f64,
     /// Swing angles in rad.
     pub light_swing: f64,

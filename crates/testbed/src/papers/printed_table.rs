@@ -17,8 +17,8 @@ use super::si_table::{SiRow, SiTable, SiValue};
 use super::unit::Unit;
 use crate::ron_text::parse_ron;
 
-/// Table, or group of constants, transcribed by hand from a paper. No entry is a number: digits
-/// stay as printed.
+/// Table, or group of constants, transcribed by hand from a paper. Numbers are texts, with their
+/// digits as printed.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrintedTable {
@@ -60,11 +60,11 @@ struct Column {
 /// Content of the cells of a column.
 #[derive(Debug, Clone, Deserialize)]
 enum Holds {
-    /// Name of the row; if there are several such columns, they form the name together.
+    /// Name of the row; several columns of this kind form the name together.
     Label,
     /// Words.
     Text,
-    /// Numbers in this unit; `—` if there is none.
+    /// Numbers in this unit; `—` for an empty cell.
     Values(String),
     /// Numbers with their unit, as in `2.580 GPa`; a pure number has no unit.
     ValuesWithUnits,
@@ -236,8 +236,8 @@ impl PrintedTable {
     }
 }
 
-/// Converts the printed cell `found` to SI. Its unit is `column_unit`; without one, it follows the
-/// digits in the cell.
+/// Converts the printed cell `found` to SI. The unit is `column_unit` or, if that is `None`, the
+/// text after the digits in the cell.
 pub fn read_value(
     path: &Path,
     row: &str,
@@ -327,7 +327,7 @@ mod tests {
         parse_ron::<PrintedTable>(path, text)?.to_si(path)
     }
 
-    /// Returns the error message for the table above after one piece of it is replaced.
+    /// Returns the error message for [`TABLE`] with `piece` replaced by `by`.
     fn message(piece: &str, by: &str) -> String {
         assert_eq!(TABLE.matches(piece).count(), 1, "{piece}");
         read(&TABLE.replace(piece, by)).unwrap_err().to_string()

@@ -7,8 +7,7 @@ use std::path::PathBuf;
 use super::decimal::Decimal;
 use super::error::FixtureError;
 
-/// Transcribed table after conversion of the units, in which only the decimal point has been
-/// shifted.
+/// Transcribed table after the exact decimal conversion of its units.
 #[derive(Debug, Clone)]
 pub struct SiTable {
     /// Transcribed file.
@@ -48,7 +47,7 @@ pub struct SiValue {
 }
 
 impl SiValue {
-    /// Replaces the number by that of `right`; the printed text is kept.
+    /// Replaces the value by `right`; the printed text is kept.
     pub fn correct(&mut self, right: Self) {
         *self = Self {
             printed: std::mem::take(&mut self.printed),
@@ -128,7 +127,7 @@ impl SiRow {
             .iter()
             .map(|(name, words)| format!("{name:?}: {words:?}"))
             .collect();
-        // Writing to a string never fails.
+        // writing to a string cannot fail
         let _ = write!(
             out,
             "        (\n            label: {:?},\n            text: {{{}}},\n            values: {{\n",

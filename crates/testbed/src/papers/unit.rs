@@ -1,6 +1,6 @@
 //! Units of the printed tables, and their SI equivalents.
 //!
-//! A unit that is not in the list is an error; it is never read as a factor of one.
+//! A unit that is not in the list is an error.
 
 use super::decimal::Decimal;
 
@@ -12,7 +12,7 @@ pub struct Unit {
     pub si: &'static str,
     factor: Decimal,
     offset: Decimal,
-    /// True for counts of things or steps, which are not rounded.
+    /// True for counts, which are exact.
     counts: bool,
 }
 
@@ -27,7 +27,7 @@ const fn unit(printed: &'static str, si: &'static str, digits: i128, exponent: i
     }
 }
 
-/// Creates the unit of a whole number of things.
+/// Creates the unit of a count.
 const fn count(printed: &'static str) -> Unit {
     let mut unit = unit(printed, "1", 1, 0);
     unit.counts = true;
@@ -44,7 +44,7 @@ const fn celsius() -> Unit {
 /// π/180 with 31 digits; a product with six more digits still fits into 38.
 const DEGREE: (i128, i32) = (1_745_329_251_994_329_576_923_690_768_489, -32);
 
-/// All units printed in the thesis, and the units of its errata and of our readings.
+/// All units printed in the thesis, and the units of its errata and of the readings of paper D.
 ///
 /// The prefixes of `EPa^kappa s` and `TPa^kappa s` (Ödeen 1993, paper D, Tables 4 and A1) are plain
 /// factors on Pa^kappa s. Raised to the power kappa, they would give impossible relaxation times.
@@ -153,8 +153,7 @@ mod tests {
 
     #[test]
     fn the_degree_is_that_of_the_standard_library() {
-        // 31 digits of π/180 against the 17 of the library: equal within the rounding of its
-        // product, one part in 2⁵².
+        // tolerance: rounding of the product in the standard library, one part in 2⁵²
         for angle in ["3.5", "4.0", "10", "180"] {
             let expected = angle.parse::<f64>().unwrap().to_radians();
             assert!(

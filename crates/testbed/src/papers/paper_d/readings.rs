@@ -1,4 +1,5 @@
-//! Readings of the units of Tables 4 and A1, and their application to the printed values.
+//! Interpretations ("readings") of the units of Tables 4 and A1 of paper D, and their application
+//! to the printed values.
 #![expect(
     dead_code,
     reason = "some fields are for the reader of the file; here they must only be there"
@@ -13,22 +14,24 @@ use super::super::error::FixtureError;
 use super::super::printed_table::{read_ron, read_value};
 use super::super::si_table::SiValue;
 
-/// Reading of the units of Tables 4 and A1 (Ödeen 1993, paper D). No reading of the printed units
-/// is physically consistent.
+/// Interpretation of the units of Tables 4 and A1 (Ödeen 1993, paper D). No interpretation of the
+/// printed units is physically consistent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitReading {
     /// Units as printed: the rods are then elastic over the record.
     Literal,
-    /// Units of time in the viscosity and in Norton's coefficient, read as ms: a factor of 1e-3.
+    /// Units of time in the viscosity and in Norton's coefficient interpreted as ms, a factor of
+    /// 1e-3.
     Milliseconds,
-    /// Our own values for materials with significant damping.
+    /// E and κ as printed; η, B and m replaced by values for significant damping that are not from
+    /// the paper.
     Realistic,
 }
 
 impl UnitReading {
     pub const ALL: [Self; 3] = [Self::Literal, Self::Milliseconds, Self::Realistic];
 
-    /// Returns the line that heads every result computed with this reading.
+    /// Returns the first line of every result that is computed with this reading.
     pub const fn description(self) -> &'static str {
         match self {
             Self::Literal => "literal: units as printed; the rods are elastic over the record",
@@ -59,7 +62,7 @@ struct ReadingsFile {
     realistic: Realistic,
 }
 
-/// Reading that replaces the unit of time.
+/// Reading that multiplies the unit of time by a factor.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct UnitOfTime {
@@ -101,7 +104,7 @@ impl Readings {
         })
     }
 
-    /// Returns the reason why every result names its reading.
+    /// Returns the explanation that no reading of the units is consistent.
     pub(super) fn no_consistent_reading(&self) -> &str {
         &self.file.no_consistent_reading
     }
@@ -150,7 +153,7 @@ impl Readings {
         })
     }
 
-    /// Returns a printed value in SI; `ours` is its realistic value.
+    /// Returns a printed value in SI; `ours` computes the value of the realistic reading.
     fn read(
         &self,
         reading: UnitReading,

@@ -41,7 +41,7 @@ impl Face {
         matches!(self, Self::ConeA | Self::ConeB)
     }
 
-    /// Returns true for aluminium, whose impedance does not depend on frequency.
+    /// Returns true for the aluminium face, whose impedance does not depend on frequency.
     pub fn is_elastic(self) -> bool {
         self == Self::CylinderB
     }
@@ -63,7 +63,7 @@ impl PaperE {
         Ok(Circle::of_diameter(diameter)?)
     }
 
-    /// Returns eq. 7 as printed, which is known only on the frequency axis.
+    /// Returns the nylon by eq. 7 as printed, which is defined only on the frequency axis.
     pub fn printed_nylon(&self) -> Fallible<Medium<PowerLawPropagation>> {
         let [damping, damping_exponent, wave_number, wave_number_exponent] = self.nylon;
         Ok(Medium::new(
@@ -72,7 +72,8 @@ impl PaperE {
         )?)
     }
 
-    /// Returns a causal law with constant loss factor, at the level of eq. 7.
+    /// Returns the nylon by a causal law with constant loss factor, which has the modulus of eq. 7
+    /// at 3 kHz.
     pub fn causal_nylon(&self) -> Fallible<Medium<ConstantQ>> {
         let omega = TAU * LEVEL_HZ;
         let modulus = self.printed_nylon()?.modulus(omega);
@@ -94,7 +95,7 @@ impl PaperE {
         )?)
     }
 
-    /// Appends the body to `before`, from its face to the free end.
+    /// Appends the elements of the body to `before`, from its face to the free end.
     pub fn body<V, M>(&self, face: Face, before: ChainBuilder<V>, nylon: &M) -> Fallible<Chain<V>>
     where
         V: Argument,
@@ -114,7 +115,7 @@ impl PaperE {
             let aluminium = self.aluminium()?;
             let section = Self::circle(self.cylinder_diameter)?;
             (0..4).fold(before, |body, number| {
-                // nylon at the end A, aluminium at the end B
+                // the section at the end A is nylon, that at the end B aluminium
                 if (number % 2 == 0) == face.is_a() {
                     body.rod(nylon, section, self.section_length)
                 } else {
@@ -125,12 +126,12 @@ impl PaperE {
         Ok(body.end(Termination::Free)?)
     }
 
-    /// Returns the body with eq. 7 as printed.
+    /// Returns the body with the nylon of eq. 7 as printed.
     pub fn printed(&self, face: Face) -> Fallible<Chain> {
         self.body(face, Chain::from_impact_face(), &self.printed_nylon()?)
     }
 
-    /// Returns the body with the causal law.
+    /// Returns the body with the causal law of the nylon.
     pub fn causal(&self, face: Face) -> Fallible<AnalyticChain> {
         let before = AnalyticChain::analytic_from_impact_face();
         self.body(face, before, &self.causal_nylon()?)
@@ -185,10 +186,13 @@ impl PaperE {
 
     /// Returns the mass of the body, in kg.
     pub fn mass(&self, face: Face) -> Fallible<f64> {
-        Ok(self.printed(face)?.free_mass().ok_or("the body is free")?)
+        Ok(self
+            .printed(face)?
+            .free_mass()
+            .ok_or("the body is not free")?)
     }
 
-    /// Returns eqs. 8 and 9 as printed, in s/kg.
+    /// Returns the mobility of the face by eqs. 8 and 9 as printed, in s/kg.
     pub fn closed_form(&self, face: Face, omega: f64) -> Fallible<Complex64> {
         let nylon = self.printed_nylon()?;
         let impedance = |diameter: f64, specific: Complex64| -> Fallible<Complex64> {

@@ -1,8 +1,8 @@
-//! Tests of paper E, section 3.1, on virtual bodies: an impedance head on the face, a light and a
-//! heavy hammer, spectra averaged and merged.
+//! The hammer tests of paper E, section 3.1, on virtual bodies: an impedance head on the face, a
+//! light and a heavy hammer, averaged and merged spectra.
 //!
 //! The hits are computed by the damped Fourier transform of `rodwave::experiment`; the sensors,
-//! the filter and the noise are those of `labio`. The bodies have the causal law of the nylon.
+//! the filter and the noise are those of `labio`. The nylon of the bodies has the causal law.
 
 use labio::instrument::{AntiAlias, Instrument, NoiseSpectrum};
 use labio::{
@@ -32,7 +32,7 @@ const STIFFNESS: [f64; 2] = [4e7, 1e7];
 /// Standard deviations of the noise of one sample: force in N, acceleration in m/s².
 pub const FORCE_NOISE: f64 = 0.02;
 pub const ACCELERATION_NOISE: f64 = 1.0;
-/// Scatter of the strengths of the hits, because the pendulum is released by hand.
+/// Relative standard deviation of the strengths of the hits: the pendulum is released by hand.
 const SCATTER: f64 = 0.05;
 
 /// Spectra of the tests with the light and with the heavy hammer.
@@ -40,7 +40,7 @@ const SCATTER: f64 = 0.05;
 pub struct HammerTests([AveragedSpectra; 2]);
 
 impl HammerTests {
-    /// Returns each line from the hammer with the larger force, the rule of the paper.
+    /// Returns each line from the hammer with the larger force, as in the paper.
     pub fn by_larger_force(&self) -> Result<MergedResponse, LabioError> {
         let [light, heavy] = &self.0;
         MergedResponse::by_larger_input(&[light, heavy], Estimator::H1, "force", "acceleration")
@@ -74,15 +74,15 @@ impl PaperE {
     pub fn on_lines(&self, merged: &MergedResponse) -> Fallible<(Vec<Complex64>, Vec<f64>)> {
         let values = merged.response.values.iter().take(self.n_lines());
         let variance = merged.response.variance.as_ref();
-        let variance = variance.ok_or("ten tests have a variance")?;
-        // the variance from n tests is too small by the factor (n - 1)/n
+        let variance = variance.ok_or("the merged response has no variance")?;
+        // the variance estimated from n tests is too small by the factor (n - 1)/n
         let unbiased = self.averaged / (self.averaged - 1.0);
         let variance = variance.iter().take(self.n_lines()).map(|v| v * unbiased);
         Ok((values.copied().collect(), variance.collect()))
     }
 
-    /// Runs the tests with one hammer, for its properties, its swing angle and the stiffness of its
-    /// contact.
+    /// Runs the tests with one hammer, given by its dimensions, its swing angle and its contact
+    /// stiffness.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
