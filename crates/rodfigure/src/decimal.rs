@@ -1,4 +1,4 @@
-//! Fast writing of decimal numbers with some digits: a report contains a hundred thousand of them.
+//! Fast writing of decimal numbers with few digits, of which a report contains a hundred thousand.
 
 /// Appends `mantissa` divided by ten to the power `places`, at most 30, without trailing zeros.
 #[allow(
@@ -15,7 +15,7 @@ pub fn push_decimal(text: &mut String, mantissa: i64, places: u32) {
         text.push('-');
     }
     let mut rest = mantissa.unsigned_abs();
-    // digits from the last to the first, with the point among them
+    // digits and decimal point, written from the last to the first
     let mut digits = [b'0'; 40];
     let mut at = digits.len();
     let mut count = 0;

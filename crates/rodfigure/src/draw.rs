@@ -1,8 +1,8 @@
 //! A figure as scalable graphics.
 //!
-//! Legends are above the axes, where they hide nothing. A logarithmic axis extends to any positive
-//! value; it need not end at full decades. The names of clipping paths do not depend on other
-//! figures drawn in the same process.
+//! Legends are above the axes, where they do not cover the marks. A logarithmic axis extends to any
+//! positive value; it need not end at full decades. The names of clipping paths do not depend on
+//! other figures drawn in the same process.
 
 mod frame;
 mod legend;
@@ -45,10 +45,11 @@ impl Drawn {
     }
 }
 
-/// Draws `figure` as an SVG file: its title and its panels, one above the other, on white.
+/// Draws `figure` as an SVG file: its title and its panels, one above the other, on a white
+/// background.
 ///
-/// Series with many samples are [thinned]. Text is kept as text. The same figure gives the same
-/// bytes.
+/// Series with many samples are [thinned]. Text is written as text, not as outlines. The same
+/// figure gives the same bytes.
 #[must_use]
 pub fn svg_of(figure: &Figure) -> String {
     svg(&thinned(figure))
@@ -64,7 +65,7 @@ fn svg(figure: &Figure) -> String {
     }
     top += 6.0;
     let arranged = Arranged::all_of(&figure.panels);
-    // the axes of all panels are aligned
+    // the widest left margin, so that the axes of all panels are aligned
     let left = arranged
         .iter()
         .map(Arranged::left_margin)
@@ -81,7 +82,8 @@ fn svg(figure: &Figure) -> String {
     svg.finish(WIDTH, (top - BETWEEN + EDGE).ceil())
 }
 
-/// Returns a name that is valid in an attribute.
+/// Returns `name` with all characters other than letters and digits replaced, for use in an
+/// attribute.
 fn identifier(name: &str) -> String {
     name.chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })

@@ -36,7 +36,7 @@ use serde::Serialize;
 /// Figure of one or more panels, one above the other.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
-    /// Name of its file without extension, such as `modulus`.
+    /// Name of the file of the figure without extension, such as `modulus`.
     pub name: String,
     /// Heading.
     pub title: String,
@@ -134,7 +134,7 @@ impl Axis {
         }
     }
 
-    /// Creates a logarithmic axis that shows all data; values that are not positive are left out.
+    /// Creates a logarithmic axis that shows all positive data.
     #[must_use]
     pub fn logarithmic(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
@@ -213,7 +213,7 @@ pub enum Mark {
     },
     /// A vertical line, such as a trigger or the end of a contact.
     At {
-        /// Event at this abscissa.
+        /// Name of the event, written above the axes.
         name: String,
         /// Abscissa.
         x: f64,
@@ -326,7 +326,7 @@ impl Role {
 /// Range of the horizontal axis where the result is not valid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Greyed {
-    /// Lower end; minus infinity stands for the end of the axis.
+    /// Lower end; minus infinity for the end of the axis.
     pub from: f64,
     /// Upper end.
     pub to: f64,

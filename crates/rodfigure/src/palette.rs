@@ -1,9 +1,9 @@
 //! Colours, dashes and markers of the roles.
 //!
 //! The colours are those of the palette of Okabe and Ito, which can be distinguished with any
-//! colour vision; its purple and sky blue are darker here for contrast with white. Dashes and
-//! markers distinguish curves without colours. `report/style.css` of `rodlab` has the same colours
-//! for light screens and others for dark screens.
+//! colour vision. Purple and sky blue are darker than in that palette, for contrast with white.
+//! Dashes and markers distinguish curves without colours. `report/style.css` of `rodlab` has the
+//! same colours for light screens and others for dark screens.
 
 use super::Role;
 
@@ -92,7 +92,7 @@ mod tests {
         })
     }
 
-    /// CIE 1976 L*, a*, b* under D65.
+    /// CIE 1976 L*, a*, b* of a colour under the illuminant D65.
     fn lab([r, g, b]: [f64; 3]) -> [f64; 3] {
         let f = |t: f64| {
             if t > 0.008856 {
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn colours_are_told_apart_without_red_and_without_green_receptors() {
-        // Viénot, Brettel and Mollon (1999), as matrices for linear RGB
+        // matrices for linear RGB (Viénot, Brettel and Mollon 1999)
         let eyes = [
             (
                 "all receptors",
@@ -142,8 +142,8 @@ mod tests {
                     let (one_seen, other_seen) = (seen(one), seen(*other));
                     let square = |index: usize| (one_seen[index] - other_seen[index]).powi(2);
                     let distance = (square(0) + square(1) + square(2)).sqrt();
-                    // a difference of 2.3 is just noticeable side by side; separate thin lines need
-                    // several times as much
+                    // tolerance: a difference of 2.3 is just noticeable side by side, and separate
+                    // thin lines need several times as much
                     assert!(
                         distance > 12.0,
                         "{eye}: {one:?} and {other:?} are {distance:.1} apart"

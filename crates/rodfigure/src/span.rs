@@ -6,13 +6,14 @@ use super::{Axis, Mark, Panel, Scale};
 /// Free margin above and below, as a fraction of the span of the data.
 const MARGIN: f64 = 0.05;
 /// Limit of the widening of the range by error bars and bands, as a fraction of the span of the
-/// points and lines: an error of many times the value must not flatten the curve.
+/// points and lines, so that very long error bars do not flatten the curve.
 const REACH: f64 = 0.6;
 
 /// Returns the ranges of both axes of every panel.
 ///
-/// Panels with the same horizontal axis share one range: the first range that is stated, otherwise
-/// one that shows the data of all of them.
+/// Panels with the same horizontal axis share one range, the first one that is stated or, without a
+/// stated range, one that shows the data of all these panels. A panel that states its own range
+/// keeps it.
 pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
     let same = |one: &Axis, other: &Axis| {
         one.label == other.label && one.unit == other.unit && one.scale == other.scale

@@ -3,7 +3,7 @@
 //! A history of 65 536 samples, on an axis some hundred pixels wide, is drawn by its extremes: of
 //! the samples in one column of pixels, the first, the least, the greatest and the last are kept.
 //! No peak is lost, and the curve looks the same. A curve that runs back and forth, as in a Nyquist
-//! plot, is followed in steps of a fraction of a pixel.
+//! plot, is reduced to samples a fraction of a pixel apart.
 #![allow(
     clippy::indexing_slicing,
     reason = "the lists of a mark are cut to the same length, and all indices are below it"
@@ -12,8 +12,8 @@
 use super::span::on;
 use super::{Axis, Figure, Mark, Panel, Scale};
 
-/// Number of columns of the range shown, and of the whole range for everything outside it. A panel
-/// with more than twelve marks has fewer columns, but not fewer than 50.
+/// Number of columns of the range shown, and of the whole range of the data for samples outside the
+/// range shown. A panel with more than twelve marks has fewer columns, but not fewer than 50.
 const COLUMNS: usize = 500;
 const FEWEST_COLUMNS: usize = 50;
 /// Largest number of samples in a column: the first, the least, the greatest and the last.
@@ -55,7 +55,7 @@ fn thinned_panel(panel: &Panel) -> Panel {
                 pick([x, y], &kept);
             }
             Mark::Points { x, y, error, .. } => {
-                // a bar whose length is not finite is not drawn; only its point counts
+                // a bar whose length is not finite is not drawn, so that only its point is used
                 let end = |sign: f64| -> Vec<f64> {
                     let reach = |(y, error): (&f64, &f64)| {
                         if error.is_finite() {
@@ -81,7 +81,7 @@ fn thinned_panel(panel: &Panel) -> Panel {
     thinned
 }
 
-/// Reduces each of the columns of a mark to the samples `kept`.
+/// Reduces each list of a mark to the samples `kept`.
 fn pick<const N: usize>(columns: [&mut Vec<f64>; N], kept: &[usize]) {
     for column in columns {
         *column = kept.iter().map(|&index| column[index]).collect();
@@ -89,7 +89,7 @@ fn pick<const N: usize>(columns: [&mut Vec<f64>; N], kept: &[usize]) {
 }
 
 /// Returns the indices of the samples that are drawn; `low` and `high` differ only for a band or
-/// for bars.
+/// for error bars.
 fn kept(axis: &Axis, columns: usize, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     let samples = x.len().min(low.len()).min(high.len());
     if samples <= A_COLUMN * columns {
@@ -219,8 +219,8 @@ fn by_columns(
     kept
 }
 
-/// Returns the samples of a curve that runs back and forth, in steps of a fraction of a column. The
-/// steps become coarser if too many samples would remain.
+/// Returns samples of a curve that runs back and forth that are a fraction of a column apart, or
+/// further apart if too many samples would remain.
 fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) -> Vec<usize> {
     let along: Vec<f64> = if axis.scale == Scale::Logarithmic {
         x.iter().map(|x| x.log10()).collect()
@@ -370,7 +370,7 @@ mod tests {
                 .count()
         };
         assert_eq!(in_decade(1.0), 9, "the nine lines of the first decade");
-        // 100 columns per decade, two samples in each where y is constant
+        // 100 columns per decade, with two samples in each because y is constant
         assert!(
             (190..=202).contains(&in_decade(1e4)),
             "{} samples in the last decade",

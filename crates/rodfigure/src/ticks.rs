@@ -13,7 +13,7 @@ pub(super) struct Ticks {
 }
 
 /// Returns about `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 times a
-/// power of ten, at the decades, or at fractions of a turn.
+/// power of ten, at powers of ten, or, for angles, at fractions of a turn.
 pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
     let least = (range[1] - range[0]) / wanted;
     match axis.scale {
@@ -84,7 +84,7 @@ fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
             let labelled = digit == 1 && (exponent / every).fract().abs() < 1e-9
                 || decades < 1.6 && (digit == 2 || digit == 5);
             if inside(&value) && labelled {
-                // over many decades, all labels are powers of ten
+                // on an axis of many decades, all labels but 1 are written as powers of ten
                 let label = if decades > 5.5 && exponent.abs() > 0.5 {
                     format!("10{}", superscript(exponent))
                 } else {

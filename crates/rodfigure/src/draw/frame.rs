@@ -66,7 +66,7 @@ impl Frame {
             let pixel = x.at(*value);
             _ = write!(lines, "M{pixel} {bottom:.1}v5");
             let half = 0.5 * text::width(label, SMALL);
-            // the last number stays inside the image
+            // shifted to the left if the number would extend beyond the image
             let middle = pixel.min(super::WIDTH - half - 1.0);
             svg.text(label, [middle, bottom + 17.0], SMALL, Anchor::Middle);
         }

@@ -14,7 +14,7 @@ const SWATCH: f64 = 26.0;
 const AFTER_SWATCH: f64 = 6.0;
 const BETWEEN: f64 = 16.0;
 
-/// Sample of a mark next to its name.
+/// Symbol of a mark next to its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Swatch {
     Line(Role),

@@ -37,7 +37,7 @@ impl Mapping {
         if place.is_nan() || self.logarithmic && value <= 0.0 {
             return f64::NAN;
         }
-        // a tenth of a pixel is fine enough, and its text is shorter
+        // rounding to a tenth of a pixel keeps the file small
         let pixel = self.start + (place - self.from) * self.per_unit;
         (pixel.clamp(-5000.0, 9000.0) * 10.0).round() / 10.0
     }

@@ -144,8 +144,8 @@ impl Svg {
         self.elements.push_str("</g>");
     }
 
-    /// Returns the text of the file, with a white background. It has a view box, without which a
-    /// viewer would cut the figure off instead of reducing it.
+    /// Returns the text of the file, with a white background. The view box lets a viewer reduce the
+    /// figure instead of cutting it off.
     pub(super) fn finish(self, width: f64, height: f64) -> String {
         let Self { clips, elements } = self;
         format!(
@@ -154,7 +154,7 @@ impl Svg {
     }
 }
 
-/// Appends a coordinate in pixels, to a tenth, in fewer steps than [`Display`](std::fmt::Display).
+/// Appends a coordinate in pixels, rounded to a tenth, faster than [`Display`](std::fmt::Display).
 #[expect(
     clippy::cast_possible_truncation,
     reason = "places are within some thousand pixels"

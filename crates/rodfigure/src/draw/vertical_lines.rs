@@ -12,8 +12,8 @@ pub(super) struct VerticalLine<'a> {
     pub(super) row: usize,
 }
 
-/// Returns the vertical lines with the rows of their names. A name begins at its line. It is placed
-/// above every line that it reaches, so that no line crosses a name.
+/// Returns the vertical lines with the rows of their names. A name begins at its own line and is
+/// placed above the top of every other line within its width, so that no line crosses a name.
 #[allow(
     clippy::indexing_slicing,
     reason = "`index` is below the number of lines that are placed"
@@ -42,8 +42,8 @@ pub(super) fn vertical_lines<'a>(
     }
     lines.sort_by(|a, b| a.pixel.total_cmp(&b.pixel));
     let end = |line: &VerticalLine<'_>| line.text_from + text::width(line.name, SMALL) + 6.0;
-    // names that the right end of the axes shifts to the left of their lines are placed above the
-    // lines that they then overlap
+    // names that would extend beyond the right end of the axes are shifted to the left of their
+    // lines, and are placed above the lines that they then overlap
     let (pushed, mut placed): (Vec<_>, Vec<_>) = lines
         .into_iter()
         .partition(|line: &VerticalLine<'_>| line.text_from < line.pixel);
