@@ -1,5 +1,5 @@
-//! Work on a thread of its own, next to the interpreter. It can be interrupted, its progress is
-//! reported, and a panic becomes an exception.
+//! Work on a separate thread, so that the interpreter stays responsive: the work can be
+//! interrupted, its progress is reported, and a panic becomes an exception.
 
 use std::any::Any;
 use std::panic::{self, AssertUnwindSafe};
@@ -19,11 +19,11 @@ use crate::errors::raised;
 /// Time between two checks for signals to the interpreter.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Time in which interrupted work must end. After this time its thread is abandoned; it writes no
-/// more files.
+/// Time in which interrupted work must end. After this time its thread is no longer waited for; an
+/// interrupted thread writes no files.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// Stack size of the working thread, as that of most main threads.
+/// Stack size of the thread that does the work, equal to that of most main threads.
 const STACK: usize = 8 << 20;
 
 /// Message from the work to the interpreter.
@@ -44,7 +44,7 @@ impl<T> std::fmt::Debug for Told<T> {
 
 impl<T: Send> Progress for Told<T> {
     fn begins(&self, step: &str, of: usize) {
-        // after an interruption there is no receiver
+        // sending fails after an interruption, because there is no receiver any more
         let _ = self.0.send(Event::Begins(step.to_owned(), of));
     }
 
@@ -53,9 +53,9 @@ impl<T: Send> Progress for Told<T> {
     }
 }
 
-/// Runs `work` on a thread of its own, without the lock of the interpreter. If there is a
-/// `progress`, it is called on the calling thread as `progress(step, done, of)`; `of` is 0 if the
-/// total is not known.
+/// Runs `work` on a separate thread, without the lock of the interpreter. If `progress` is given,
+/// it is called on the calling thread as `progress(step, done, of)`; `of` is 0 if the total is not
+/// known.
 ///
 /// # Errors
 ///

@@ -12,7 +12,8 @@ use rodlab::output::TableFiles;
 
 use crate::background::done;
 
-/// Returns the tests that `places` name as (name, path of the sheet), in the order of the names.
+/// Returns the tests to which `places` (sheets, folders or patterns) refer as (name, path of the
+/// sheet), in the order of the names.
 #[pyfunction]
 pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(String, PathBuf)>> {
     let tests = done(py, None, move |_, _| campaign::tests_of(&places))?;
@@ -20,7 +21,7 @@ pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(Str
     Ok(pairs.collect())
 }
 
-/// Runs all tests that `places` name, `jobs` at a time, and writes their summary. Returns the
+/// Runs all tests to which `places` refer, `jobs` at a time, and writes their summary. Returns the
 /// summary as JSON.
 #[pyfunction]
 #[pyo3(signature = (places, out, *, resume=false, jobs=None, progress=None))]

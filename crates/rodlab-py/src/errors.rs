@@ -42,7 +42,7 @@ pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
 }
 
 /// Returns the exception for mistakes in the arguments of a function; `error` is the error of the
-/// sheet made of these arguments.
+/// sheet that was built from these arguments.
 pub(crate) fn raised_of_arguments(py: Python<'_>, error: &SheetError) -> PyErr {
     let others = error.others().iter();
     let others = others.map(|other| with_advice(&other.in_words(), other));

@@ -1,4 +1,5 @@
-//! Jobs of sheets from files and from memory; check, inspect, convert, init.
+//! Functions that run sheets from files or from memory, and the functions check, inspect, convert
+//! and init.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -89,7 +90,8 @@ pub(crate) fn run_text(
     })
 }
 
-/// Reads the sheet at `path` and its files; returns the name of its job and its SHA-256.
+/// Reads the sheet at `path` and its files; returns the name of the job and the SHA-256 of the
+/// sheet.
 #[pyfunction]
 pub(crate) fn check(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str, String)> {
     done(py, None, move |progress, interrupted| {
@@ -138,7 +140,8 @@ pub(crate) fn convert(
     })
 }
 
-/// Writes the commented sheet of `job`, or that of its `rig`, to `path`, which must not exist yet.
+/// Writes the commented sheet of `job`, or the one for the test rig `rig` of this job, to `path`,
+/// which must not exist yet.
 #[pyfunction]
 #[pyo3(signature = (job, path, rig=None))]
 pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf, rig: Option<&str>) -> PyResult<()> {
@@ -156,7 +159,7 @@ fn rig_of(py: Python<'_>, name: &str) -> PyResult<Rig> {
     })
 }
 
-/// Runs a command line, given as words, with the name of the program first. Returns the exit
+/// Runs a command line, given as words that begin with the name of the program. Returns the exit
 /// status.
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, words: Vec<OsString>) -> u8 {

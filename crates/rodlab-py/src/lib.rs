@@ -1,16 +1,16 @@
 //! The extension module `rodlab._rodlab`: jobs, records and spectra of the workspace for the Python
 //! package `rodlab`.
 //!
-//! This module contains no numerics and only the code that passes data between Rust and Python. The
+//! This module contains no numerics, only the code that passes data between Rust and Python. The
 //! functions that a user calls are written in Python, in `python/rodlab`, and documented there; the
 //! functions of this module are private and are listed in `_rodlab.pyi`.
 //!
 //! | module | content |
 //! |---|---|
-//! | `background` | work on a thread next to the interpreter: interruptions, progress, panics |
+//! | `background` | work on a separate thread: interruptions, progress, panics |
 //! | `errors` | errors of the crates as the exceptions of the package |
 //! | `outcome` | the result of a job |
-//! | `jobs` | sheets from files and from memory; check, inspect, convert, init |
+//! | `jobs` | sheets run from files or from memory; check, inspect, convert, init |
 //! | `campaign` | campaigns of many sheets, single tests of a campaign |
 //! | `records` | calibrated hits from files |
 //! | `rods` | mobilities, transition matrices, propagation of waves |

@@ -1,4 +1,4 @@
-//! Result of a job, in the form that the Python package uses.
+//! Result of a job in the form in which the Python package uses it.
 
 use std::path::PathBuf;
 
@@ -103,7 +103,8 @@ impl Outcome {
             .collect()
     }
 
-    /// Returns the report: one page of HTML with its figures, without a date.
+    /// Returns the report, one page of HTML that contains its figures. The page has no date, so
+    /// that equal results give equal pages.
     fn report(&self, py: Python<'_>) -> PyResult<String> {
         let page = py.detach(|| {
             let drawn: Vec<Drawn> = self.outcome.figures.iter().map(Drawn::of).collect();

@@ -10,7 +10,7 @@ use rodlab::job::Job;
 use crate::background::done;
 use crate::errors::{raised_of_arguments, wrong};
 
-/// Hit: its record and the decisions on it.
+/// Hit, with its record and the decisions on it.
 #[pyclass(frozen, get_all, module = "rodlab._rodlab")]
 #[derive(Debug)]
 pub(crate) struct Hit {

@@ -1,4 +1,4 @@
-//! Forward physics of bodies that are stated as in a sheet: mobilities, transition matrices,
+//! Forward physics of bodies that are described as in a sheet: mobilities, transition matrices,
 //! propagation of waves.
 
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ use rodlab::job::force::{ForceSheet, Problem};
 
 use crate::errors::{raised, raised_of_arguments, wrong};
 
-/// Reads the sheet of a force; its first body is the body to be computed.
+/// Reads a sheet of the job `force`, whose first body is the body to be computed.
 fn sheet_of(py: Python<'_>, text: &str) -> PyResult<Box<ForceSheet>> {
     match rodlab::job::parse(Path::new("arguments.ron"), text) {
         Ok(Job::Force(sheet)) => Ok(sheet),

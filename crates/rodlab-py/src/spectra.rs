@@ -72,7 +72,8 @@ pub(crate) fn frequency_response<'py>(
     let channels = [first.map_err(fail)?, second.map_err(fail)?];
     let mut averager = None;
     for (input, output) in input.rows().into_iter().zip(output.rows()) {
-        // copies one hit: the arrays may change while the lock of the interpreter is released
+        // copies the hit, because the arrays may change while the lock of the interpreter is
+        // released
         let mut hit = Array2::zeros((2, input.len()));
         hit.row_mut(0).assign(&input);
         hit.row_mut(1).assign(&output);

@@ -34,7 +34,7 @@ def test_waves_of_a_bar_are_those_of_the_command(tmp_path: Path) -> None:
     )
     expect_files(waves.tables, folder / "bar-result")
     assert (folder / "made" / "material.json").is_file()
-    # the record was made with c = 1420 m/s at 10 kHz and a loss factor of 0.02: alpha is k/2 times the loss factor
+    # the simulated bar has c = 1420 m/s at 10 kHz and a loss factor of 0.02: alpha is k/2 times the loss factor
     at = waves.wave_number
     np.testing.assert_allclose(waves.phase_velocity, waves.frequency_hz * 2 * np.pi / at, rtol=1e-12)
     np.testing.assert_allclose(waves.damping_coefficient[waves.valid], 0.01 * at[waves.valid], rtol=0.1)
@@ -101,7 +101,7 @@ def test_a_bar_has_a_material_or_a_wave_speed() -> None:
 
 
 def test_moduli_in_memory_are_fitted_as_those_of_a_file(tmp_path: Path) -> None:
-    """A Zener model with noise of one per cent: a table in a file gives the same numbers, and the parameters are true within their errors."""
+    """Checks, for a Zener model with 1 % of noise, that arrays and a table in a file give the same numbers, and that the parameters are right within their errors."""
     chance = np.random.default_rng(3)
     frequency = np.geomspace(1, 1e3, 31)
     turn = 2j * np.pi * frequency * 2e-3
@@ -113,7 +113,7 @@ def test_moduli_in_memory_are_fitted_as_those_of_a_file(tmp_path: Path) -> None:
     )
     assert found.causal is not None
     storage = np.asarray(found.causal.columns()["storage_modulus_pa"], dtype=np.float64)
-    np.testing.assert_allclose(storage, exact.real, rtol=0.003)  # three standard errors of some per mille
+    np.testing.assert_allclose(storage, exact.real, rtol=0.003)  # tolerance: about three standard errors
     for name, true in {"relaxed modulus": 1e9, "modulus increment": 5e8, "relaxation time": 2e-3}.items():
         one = found.parameters("zener")[name]
         assert one.value is not None and one.standard_error is not None
@@ -125,15 +125,15 @@ def test_moduli_in_memory_are_fitted_as_those_of_a_file(tmp_path: Path) -> None:
     errors = sheet.Columns(sheet.Parts(storage="dS", loss="dL"))
     same = rodlab.rheology.sweep([table | {"errors": errors}], laws=["zener", "generalised maxwell"], density=1180, causal=True, folder=tmp_path)
     assert same.quantities == found.quantities
-    np.testing.assert_allclose(same.modulus, measured, rtol=3e-16)  # converted to GPa and back
-    # the arrays are kept as long as the result, because a card reads them again
+    np.testing.assert_allclose(same.modulus, measured, rtol=3e-16)  # tolerance: rounding of the conversion to GPa and back
+    # a card reads the arrays again, which therefore must exist as long as the result
     ours, of_file = (one.card("ansys", name="M", poisson_ratio=0.4).splitlines() for one in (found, same))
     assert [line for line in ours if line not in of_file] == [line for line in ours if "source:" in line or "SHA-256" in line]
 
 
 @pytest.mark.parametrize("test", ["relaxation", "creep"])
 def test_moduli_over_time_in_memory_are_fitted(test: str) -> None:
-    """Closed forms of a Zener model under a load that grows for 3 s, at two temperatures with times a decade apart."""
+    """Compares with closed forms of a Zener model under a load that grows for 3 s, at two temperatures with relaxation times a decade apart."""
     chance = np.random.default_rng(4)
     ramp, soft, step = 3.0, 1e9, 5e8
 

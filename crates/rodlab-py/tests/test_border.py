@@ -42,7 +42,7 @@ HOSTILE: tuple[Any, ...] = (None, True, -1, 10**400, float("nan"), float("inf"),
 
 
 def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
-    """Calls every public function with a hostile value of every argument: a Python exception is raised, never a panic."""
+    """Checks that every public function raises a Python exception for invalid values of every argument, and never panics."""
     hits = rodlab.Hits((), {"a": "N", "b": "N"}, (), {"files": [], "channels": []}, {}, tmp_path)
     rod = sheet.LongRod(material="steel", diameter="10 mm")
     taken: list[tuple[int, object]] = []

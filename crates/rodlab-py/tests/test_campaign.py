@@ -1,4 +1,4 @@
-"""Campaigns: one process, workers and the command write the same files."""
+"""Tests that campaigns in one process, on workers and by the command write the same files."""
 
 import os
 import signal

@@ -28,13 +28,13 @@ def test_a_force_is_that_of_the_command(cone: Path) -> None:
 
 
 def test_two_equal_elastic_rods_exchange_their_momentum() -> None:
-    """Impact of equal rods: F = Z V / 2 for the time 2 L / c; its impulse is the momentum of the first rod."""
+    """Checks the impact of two equal rods: F = Z V / 2 for the time 2 L / c, so that the impulse is the momentum of the first rod."""
     alike = sheet.Chain(elements=[sheet.Rod(material="steel", diameter="10 mm", length="500 mm")])
     steel = {"steel": MATERIALS["steel"]}
     found = force.predict(alike, alike, velocity=2.0, duration=1e-3, materials=steel)
     mass = 7780 * np.pi * 0.005**2 * 0.5
     impulse = np.trapezoid(found.force, found.time)
-    # errors due to the band of 10 kHz, and the remainder of its filter at the ends of the history
+    # tolerance: the limitation to 10 kHz, and the ringing of its filter beyond the ends of the history
     assert impulse == pytest.approx(mass * 2.0, rel=5e-3)
     assert found.standard_error is None
 

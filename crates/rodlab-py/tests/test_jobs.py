@@ -145,7 +145,7 @@ def test_an_interruption_is_heard_within_three_tenths_of_a_second(nylon: Path) -
         interrupted.append(time.monotonic())
         os.kill(os.getpid(), signal.SIGINT)
 
-    # a shell that starts the tests in the background makes them ignore the signal
+    # the signal is ignored if a shell has started the tests in the background
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         threading.Timer(0.5, interrupt).start()
@@ -190,8 +190,8 @@ def test_other_threads_go_on_while_a_job_computes(nylon: Path) -> None:
     took = time.monotonic() - began
     ended.set()
     thread.join()
-    # a turn of the other thread takes 10 ms, and ten times as long on a busy machine; if the lock
-    # were held, the thread would make no turns
+    # the other thread runs every 10 ms, or every 100 ms on a busy machine; if the lock were held,
+    # it would not run
     assert len(turns) > took / 0.1
 
 

@@ -67,7 +67,7 @@ def test_a_law_is_that_of_the_command(nylon: Path) -> None:
         )
 
     expect_files(law(sheet.LinearPhase(cutoff="16 kHz")).tables, nylon / "identify-result")
-    # if its filter is not stated, the recorder biases the parameters of nonlinear laws, and the
-    # data do not allow a law
+    # without a stated filter, the recorder biases the parameters of nonlinear laws, and the data do
+    # not allow a law
     with pytest.raises(rodlab.NotAllowed):
         law(None)

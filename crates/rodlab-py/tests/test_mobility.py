@@ -51,7 +51,7 @@ def test_a_measured_mobility_and_its_force_are_those_of_the_command(struck: Path
     expect_files(found.tables, struck / "body-result")
     assert found.attachments["mobility.uff"] == (struck / "body-result" / "mobility.uff").read_bytes()
     assert found.standard_error is not None and found.valid.sum() > 300
-    # five standard errors of noise, and 2 % for the filter of the recorder
+    # tolerance: five standard errors of noise, and 2 % for the filter of the recorder
     exact = rodlab.rods.mobility(BODY, found.frequency_hz[1:], materials=NYLON)
     apart = np.abs(found.mobility[1:] - exact)[found.valid[1:]]
     error = (5 * found.standard_error[1:] + 0.02 * np.abs(exact))[found.valid[1:]]

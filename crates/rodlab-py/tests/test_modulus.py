@@ -89,7 +89,7 @@ def test_a_modulus_has_arrays_frames_and_figures(polypropylene: Path) -> None:
     found = of(polypropylene)
     lines = found.columns()
     assert found.valid.sum() > 100
-    # true modulus of the virtual test in closed form, |E| = 2.6 GPa at 1.6 kHz with constant loss factor 0.07; a valid line is within 1 %
+    # true modulus of the virtual test in closed form, |E| = 2.6 GPa at 1.6 kHz with constant loss factor 0.07; tolerance: 1 % for a valid line
     exponent = 2 * np.arctan(0.07) / np.pi
     truth = 2.6e9 * (1j * found.frequency_hz[found.valid] / 1600) ** exponent
     np.testing.assert_allclose(found.modulus[found.valid], truth, rtol=0.01)

@@ -45,7 +45,7 @@ def test_a_notebook_runs_and_has_the_numbers_of_the_command(
     assert len(code) >= 4
     for cell in code[:2]:
         exec(compile(cell, name, "exec"), names)
-    # the verdict must come first
+    # the first two cells must print the verdict before anything else
     assert re.match(r"(answered|in doubt|not allowed): ", capsys.readouterr().out)
     for cell in code[2:]:
         exec(compile(cell, name, "exec"), names)

@@ -1,4 +1,4 @@
-"""Runs the code on the page of the package unchanged."""
+"""Runs the code of docs/python.md without changes."""
 
 import re
 import shutil
@@ -18,7 +18,7 @@ def examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
     matplotlib.use("Agg")
     shutil.copytree(EXAMPLES, tmp_path / "examples")
-    (tmp_path / "examples" / "nylon" / "identify.ron").unlink()  # it takes as long as all others together
+    (tmp_path / "examples" / "nylon" / "identify.ron").unlink()  # takes as long as all other sheets together
     monkeypatch.chdir(tmp_path / "examples")
     return PAGE.read_text(encoding="utf-8")
 
@@ -42,7 +42,7 @@ def test_the_page_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.parametrize("package", ["pyFRF", "pyuff", "lmfit", "pyvisco"])
 def test_other_packages_have_the_numbers_of_the_page(package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two packages do the same task: their numbers agree as closely as the page states."""
+    """Compares the results of another package with ours, with the tolerance that the page states."""
     pytest.importorskip(package)
     page = examples(tmp_path, monkeypatch)
     names: dict[str, Any] = {"__name__": "page"}
@@ -60,7 +60,7 @@ def test_other_packages_have_the_numbers_of_the_page(package: str, tmp_path: Pat
     elif package == "pyvisco":
         temperature, ours, theirs = names["epoxy"].table("shifts").numbers("temperature_degc"), one["ours"], other["theirs"]
         np.testing.assert_allclose(ours[temperature >= 50], theirs[temperature >= 50], atol=0.06)
-        # the sweep was made by the law of WLF with C1 = 12 and C2 = 90 K at 60 degC: a shift of 6 decades at 30 degC
+        # the sweep was simulated with the WLF law with C1 = 12 and C2 = 90 K at 60 degC: a shift of 6 decades at 30 degC
         assert abs(ours[0] - 6) < 0.4 < 1.5 < abs(theirs[0] - 6)
     elif package == "pyuff":
         np.testing.assert_array_equal(one["samples"], other["samples"])

@@ -24,7 +24,7 @@ def test_hits_are_the_samples_of_the_files_in_si(polypropylene: Path) -> None:
     assert (len(hits), hits.channels, dict(hits.units)) == (5, ("a", "b"), {"a": "m/s^2", "b": "m/s^2"})
     for hit, samples in zip(hits.hits, files, strict=True):
         np.testing.assert_array_equal(hit.samples[0], samples[0])
-        # the tolerance is that of two roundings
+        # tolerance: two roundings
         np.testing.assert_allclose(hit.samples[1], -samples[1] / 2e-3, rtol=1e-15)
         assert hit.time[1] - hit.time[0] == 1 / 65_536
     assert hits.accepted("a").shape == (5, files[0].shape[1])
@@ -113,13 +113,13 @@ def test_responses_are_those_of_averaged_transforms() -> None:
     expected = {"h1": g_xy / g_xx, "h2": g_yy / g_xy.conj(), "hv": np.sqrt(g_yy / g_xx) * g_xy / np.abs(g_xy)}
     for name, values in expected.items():
         response = getattr(frf, name)(x, y, sampling_rate_hz=RATE)
-        # rounding: another library transforms 256 values
+        # tolerance: rounding of transforms of 256 values by two libraries
         np.testing.assert_allclose(response.values, values, rtol=1e-12)
         np.testing.assert_allclose(response.coherence, coherence, rtol=1e-12)
         np.testing.assert_array_equal(response.frequency_hz, np.fft.rfftfreq(256, 1 / RATE))
     response = frf.h1(x, y, sampling_rate_hz=RATE)
     assert response.magnitude_error is not None and response.variance is not None
-    # Bendat and Piersol, with one average less because the response itself is estimated
+    # the formula of Bendat and Piersol, with one average less because the response itself is estimated
     error = np.sqrt((1 - coherence) / (2 * 5 * coherence))
     np.testing.assert_allclose(response.magnitude_error, error, rtol=1e-9)
     np.testing.assert_allclose(response.variance, 2 * (error * np.abs(response.values)) ** 2, rtol=1e-9)

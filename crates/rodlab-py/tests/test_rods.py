@@ -19,7 +19,7 @@ def test_waves_of_an_elastic_material_run_at_the_speed_of_bars() -> None:
 
 
 def test_a_constant_loss_factor_damps_in_closed_form() -> None:
-    """gamma^2 = -rho omega^2 / E (Ödeen 1993, paper B), for E = |E| (i omega / omega_0)^(2 atan(loss factor) / pi)."""
+    """Compares with gamma^2 = -rho omega^2 / E (Ödeen 1993, paper B), for E = |E| (i omega / omega_0)^(2 atan(loss factor) / pi)."""
     modulus = 2.6e9 * (1j * FREQUENCY / 3e3) ** (2 * np.arctan(0.094) / np.pi)
     expected = 1j * OMEGA * np.sqrt(1150 / modulus)
     np.testing.assert_allclose(rods.propagation_coefficient(NYLON, FREQUENCY), expected, rtol=1e-13)
@@ -30,11 +30,11 @@ def test_a_uniform_rod_has_the_printed_matrix_and_mobility() -> None:
     impedance = AREA * np.sqrt(206e9 * 7780)
     matrices = rods.transition_matrix(ROD, FREQUENCY, materials={"steel": STEEL})
     assert matrices.shape == (3, 2, 2)
-    # rounding of arguments of up to 8 rad
+    # tolerance: rounding of arguments of up to 8 rad
     np.testing.assert_allclose(matrices[:, 0, 0], np.cosh(gamma_length), rtol=1e-12)
     np.testing.assert_allclose(abs(matrices[:, 0, 1]), impedance * abs(np.sinh(gamma_length)), rtol=1e-12)
     np.testing.assert_allclose(np.linalg.det(matrices), 1, rtol=1e-12)
-    # for a free rod: v/F = coth(gamma L)/Z
+    # v/F = coth(gamma L)/Z for a free rod
     found = rods.mobility(ROD, FREQUENCY, materials={"steel": STEEL})
     np.testing.assert_allclose(found, 1 / (impedance * np.tanh(gamma_length)), rtol=1e-11)
 

@@ -1,4 +1,4 @@
-"""Runs the campaign of `crates/rodlab/examples/campaign` by each installed scheduler: the summaries are equal."""
+"""Runs the campaign of `crates/rodlab/examples/campaign` with each installed scheduler, and compares the summaries."""
 
 import os
 import shutil

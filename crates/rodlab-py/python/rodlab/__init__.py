@@ -54,7 +54,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from . import bars, force, frf, mobility, modulus, rheology, rods, sheet
-else:  # imports on first use, which shortens the import by two fifths; hidden from type checkers, to which any name would be valid
+else:  # imports on first use shorten the import by two fifths; a type checker that saw `__getattr__` would accept any name
 
     def __getattr__(name: str) -> Any:
         if name.startswith("_") or name not in __all__:

@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Campaign:
-    """Result of a campaign.
+    """Result of a campaign, the run of many sheets.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ def campaign(
         raise Error("sheets is empty, expected a sheet, a folder or a pattern")
     if client is not None:
         _on_cluster(client, names, Path(out), resume, retries, progress)
-        # compares every result with its sheet and files again, and makes the same rows as a campaign in one process
+        # with `resume`, the results of the workers are checked against their sheets and files, and give the same rows as a campaign in one process
         resume, progress = True, None
     told = json.loads(_rodlab.batch(names, out, resume=resume, jobs=jobs, progress=progress))
     return Campaign(Path(out), tuple(told["tests"]))

@@ -18,9 +18,9 @@ class SheetError(Error):
     Attributes
     ----------
     line, column : int or None
-        Place in the file of the sheet, counted from 1; None for arguments, and for statements that contradict each other.
+        Place of the mistake in the file of the sheet, counted from 1; None for arguments, and for statements that contradict each other.
     field : str or None
-        Place in the sheet, such as ``Modulus.specimen.length``.
+        Field with the mistake, such as ``Modulus.specimen.length``.
     help : str or None
         Suggestion, such as the nearest known name.
     others : tuple of str

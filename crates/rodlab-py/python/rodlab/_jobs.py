@@ -1,4 +1,4 @@
-"""Jobs of sheets from files and from memory; check, inspect, convert, init."""
+"""Functions that run sheets from files or from memory, and the functions check, inspect, convert and init."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ def run(
     folder: str | os.PathLike[str] = ".",
     progress: Progress | None = None,
 ) -> Result:
-    """Runs a test sheet, as the command that has the name of its job does.
+    """Runs a test sheet, like the command of ``rodlab`` with the name of the job.
 
     Parameters
     ----------
     sheet : path or Part
         File of the sheet, or a sheet written in Python with :mod:`rodlab.sheet`.
     out : path, optional
-        Folder for the files of the result. By default it is next to the sheet, with the name of the sheet and ``-result``; for a sheet
-        written in Python, nothing is written by default.
+        Folder for the files of the result. By default it is next to the sheet, and its name is that of the sheet followed by ``-result``; for a
+        sheet written in Python, nothing is written by default.
     job : str, optional
         Job that the sheet must state, such as ``"modulus"``.
     write : bool
@@ -75,13 +75,13 @@ def run_part(
     progress: Progress | None = None,
     kept: TemporaryDirectory[str] | None = None,
 ) -> R:
-    """Returns the result of a sheet written in Python, as an object of the class `of`. `kept` is a temporary folder that must exist as long as the result."""
+    """Returns the result of a sheet written in Python, as an object of the class `of`. `kept` is a temporary folder that must not be deleted before the result."""
     outcome = _rodlab.run_text(text_of(sheet), folder, out=out, progress=progress)
     return of._of(outcome, sheet, folder, kept)
 
 
 def check(sheet: str | os.PathLike[str]) -> str:
-    """Reads a sheet and the files that it names without computing anything; returns the name of the job.
+    """Reads a sheet and its files without computing anything; returns the name of the job.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Jobs whose sheets are stated by arguments, which have the names of the fields."""
+"""Jobs that are run with arguments instead of a sheet. The arguments have the names of the fields of the sheet."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def identify(
     density : float or str, optional
         Density in kg/m³, together with ``length``.
     diameter, poisson_ratio : float or str, optional
-        Diameter in m and Poisson's ratio of a round rod, together with ``length``, for lateral inertia; without them, the rod must be thin.
+        Diameter in m and Poisson's ratio of a round rod, together with ``length``, for lateral inertia; without them, the rod is assumed to be thin.
     recorder : Part, optional
-        Filter of the recorder of all tests, such as ``sheet.Butterworth(order=8, cutoff="17.9 kHz")``; nonlinear laws are then identified through it.
+        Filter of the recorder of all tests, such as ``sheet.Butterworth(order=8, cutoff="17.9 kHz")``. Without it, the filter biases nonlinear laws.
     laws : list of str, optional
         Laws to be fitted, by their names in a sheet; by default those of paper D: ``Maxwell``, ``Norton``, ``GurevichRabinovich``.
     compare, profiles : bool
@@ -158,7 +158,7 @@ def simulate(
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """Computes a virtual test, as ``rodlab simulate`` does: records like those of a laboratory, and the sheet that evaluates them.
+    """Computes a virtual test, as ``rodlab simulate`` does: records like those of a laboratory, and a sheet for their evaluation.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Figures drawn with matplotlib, in the usual form of the field."""
+"""Figures drawn with matplotlib."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def axes(ax: Sequence[Axes] | None, count: int) -> Sequence[Axes]:
 
 
 def band(ax: Axes, x: NDArray[Any], y: NDArray[Any], error: NDArray[Any], valid: NDArray[np.bool_], label: str) -> None:
-    """Draws a curve with its band of two standard errors; invalid lines are grey dots without a band."""
+    """Draws a curve with its band of two standard errors; invalid frequency lines are grey dots without a band."""
     ax.plot(x[~valid], y[~valid], ".", color="0.75", markersize=2, zorder=0)
     curve = np.where(valid, y, np.nan)
     (drawn,) = ax.plot(x, curve, linewidth=1)

@@ -140,8 +140,8 @@ def read(
     channels : mapping
         Maps the name of each channel to its unit in the file, such as ``"m/s2"``, or to the fields of a channel, such as
         ``{"from": 2, "unit": "V", "sensitivity": "10.2 mV/g ± 2 %"}``. Without ``from``, the n-th entry is the n-th channel of the file.
-        If each channel has files of its own, state them here instead of ``files``: ``{"files": ["force-*.csv"], "unit": "N"}``. Without ``from``,
-        the channel is then the first of its file.
+        If each channel has its own files, state them here instead of in ``files``: ``{"files": ["force-*.csv"], "unit": "N"}``. Without ``from``,
+        the channel is then the first one of its file.
     sampling_rate_hz : float or str, optional
         Sampling rate in Hz, or as a text such as ``"65.536 kHz"``; needed if the files do not contain it.
     cut : Part, optional
@@ -205,7 +205,7 @@ def of_arrays(
     sampling_rate_hz: float | str,
     **options: Unpack[HitOptions],
 ) -> Hits:
-    """Returns hits from arrays in memory, which are accepted or rejected as hits from files are.
+    """Returns hits from arrays in memory. They are accepted or rejected like hits from files.
 
     As long as the hits exist, the arrays are kept as files in a temporary folder, from which every job can read them.
 
@@ -221,7 +221,7 @@ def of_arrays(
     SheetError
         An array is empty, has a wrong shape or contains no real numbers, or an argument is wrong.
     Error
-        Two arrays are equal and count as one measurement.
+        Two arrays are equal, so that one measurement would be counted twice.
     ReadError
         A record has numbers that are NaN or infinite.
     """

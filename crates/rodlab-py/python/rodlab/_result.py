@@ -121,11 +121,11 @@ class Result:
     reasons : tuple of str
         Reasons why the result is in doubt or not allowed.
     summary, warnings : tuple of str
-        Findings, as sentences; facts that must be considered before the result is used.
+        Results as sentences; facts to be considered before the result is used.
     quantities : tuple of Quantity
     tables : mapping of str to Table
     settings, log, inputs : tuple of dict
-        All choices that were made; hits and lines with reasons; the files that were read, with their SHA-256.
+        All settings of the job; decisions on hits and lines with their reasons; the files that were read, with their SHA-256.
     attachments : mapping of str to bytes
         Files for other programs, such as cards and universal files, by name.
     files : tuple of Path
@@ -154,8 +154,8 @@ class Result:
     def _of(
         cls, outcome: Outcome, sheet: Part | None = None, folder: Path | None = None, kept: TemporaryDirectory[str] | None = None
     ) -> Self:
-        """Returns the result of an `outcome`. If the sheet was made of arguments, `sheet` is this sheet and `folder` the folder to which its paths refer;
-        `kept` is this folder if it must be deleted together with the result."""
+        """Returns the result of an `outcome`. If the sheet was built from arguments, `sheet` is this sheet and `folder` the folder to which its paths
+        refer; `kept` is this folder if it must be deleted together with the result."""
         told = json.loads(outcome.json)
         verdict = told["verdict"]
         return cls(
@@ -239,7 +239,7 @@ class Result:
         return self
 
     def report(self) -> str:
-        """Returns the report: one page of HTML with its interactive figures, without a date."""
+        """Returns the report: one page of HTML that contains its interactive figures, and no date."""
         return self._report if isinstance(self._report, str) else self._report.report()
 
     def _repr_html_(self) -> str:

@@ -14,8 +14,7 @@ from ._sheet import number
 
 Series = Mapping[str, Any]
 
-# Quantities of the standard for each unit; a quantity that does not follow from the unit is left
-# out.
+# Quantities of the standard for each unit. Quantities that do not follow from the unit are omitted.
 _QUANTITIES = {"N": "f", "m/s^2": "a", "m/s": "v", "m": "d"}
 
 # Largest deviation of a time from an even grid, in steps: times are often rounded to about six digits.
@@ -25,7 +24,7 @@ _OTHER_RATE = 1e-6
 
 
 def of_sep005(records: Sequence[Series] | Sequence[Sequence[Series]], **options: Unpack[HitOptions]) -> Hits:
-    """Returns hits from time series in the form of SEP-005, which are accepted or rejected as hits from files are.
+    """Returns hits from time series in the form of SEP-005. They are accepted or rejected like hits from files.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ import numpy as np
 
 from ._errors import Error, SheetError
 
-# Fields of sheets that contain a map with names chosen by the user; all other mappings are lists of known fields.
+# Fields of sheets that contain a map with names chosen by the user. All other mappings contain fields with fixed names.
 _MAPS = frozenset({"materials", "full_scales", "noise_of"})
 
 
@@ -54,7 +54,7 @@ def number(value: object, unit: str, argument: str) -> float:
 
 
 def text_of(value: object) -> str:
-    """Returns a sheet, or a part of a sheet, as RON text. Fields that are None are left out."""
+    """Returns a sheet, or a part of a sheet, as RON text. Fields that are None are omitted."""
     return _text(value, "")
 
 

@@ -134,7 +134,7 @@ def bar(
     separation : str, optional
         ``Passages``, ``TwoGauges``, ``FreeEnd`` or ``Balanced``; by default ``Passages`` for one gauge and ``TwoGauges`` for two.
     averaged_with : mapping of str to list of str, optional
-        For a channel, the channels of other gauges around the same section, with which it is averaged; bending cancels in the mean.
+        Maps a channel to the channels of other gauges around the same section, with which it is averaged; bending cancels in the mean.
 
     Raises
     ------
@@ -180,7 +180,8 @@ def propagation(
 ) -> Propagation:
     """Returns the propagation of waves in a long bar from one or several shots: damping, wave number and phase velocity with their covariance.
 
-    With one gauge, a pulse and its reflection are used. With two or more gauges, least squares are used, and the waves may overlap.
+    With one gauge, the result follows from a pulse and its reflection, which must not overlap. With two or more gauges, it follows by least squares, and
+    the waves may overlap.
 
     Parameters
     ----------
@@ -257,9 +258,9 @@ def stress_strain(
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> StressStrain:
-    """Returns the stress-strain curve of a specimen between split Hopkinson bars, with its band (Zhao and Gary 1996; Bacon 1998).
+    """Returns the stress-strain curve of a specimen between split Hopkinson bars, with its 95 % band (Zhao and Gary 1996; Bacon 1998).
 
-    The law of the bars, elastic or viscoelastic, gives the waves at the faces of the specimen from those at the gauges.
+    The waves at the faces of the specimen are computed from those at the gauges by the law of the bars, which may be elastic or viscoelastic.
 
     Parameters
     ----------
@@ -279,11 +280,11 @@ def stress_strain(
     stress_from : str, optional
         ``Both`` (default), ``Incident`` or ``Transmitted``.
     band : float or str, optional
-        Upper end of the band in Hz; by default it is chosen for the bars.
+        Upper end of the frequency band in Hz; by default it is chosen for the bars.
     align_arrivals : bool
         True to subtract the lag between the arrivals at both faces, instead of relying on positions and wave speeds.
     monte_carlo : int, optional
-        Number of draws in which noise and all other sources vary together, as a check of the linear errors.
+        Number of random draws in which noise and all other sources of error vary together, as a check of the linear errors.
     folder : path, optional
         Folder to which the relative paths of materials refer; by default that of the shots.
     out : path, optional

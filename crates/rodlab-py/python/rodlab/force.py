@@ -21,8 +21,8 @@ __all__ = ["Force", "predict"]
 class Force(Result):
     """Force over time. Arrays have the shape (n_times,); the force is positive in compression.
 
-    The table ``force`` contains the force by time marching, ``force_in_band`` the force in the band with its error, and ``contacts`` the times
-    at which the faces meet and part.
+    The table ``force`` contains the force by time marching, ``force_in_band`` the force in the frequency band with its error, and ``contacts`` the
+    times at which the faces meet and separate.
     """
 
     @property
@@ -43,7 +43,7 @@ class Force(Result):
         return table.numbers(name) if name in table.units else None
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the force in the band with two standard errors; returns the axes."""
+        """Draws the force in the frequency band, with its band of two standard errors; returns the axes."""
         import matplotlib.pyplot as plt
 
         if ax is None:
@@ -88,7 +88,7 @@ def predict(
     materials : mapping
         Maps the name of each material to ``{"density": "7780 kg/m3", "law": sheet.Elastic(modulus="206 GPa")}``.
     band : float or str, optional
-        Upper end of the band in which the force is stated, in Hz; 10 kHz by default.
+        Upper end of the frequency band in which the force is stated, in Hz; 10 kHz by default.
     contact : Part, optional
         Law of the contact, such as ``sheet.Linear("20 MN/m")``; rigid faces by default.
     folder : path

@@ -43,7 +43,7 @@ class FrequencyResponse:
     magnitude_error, phase_error : array of float, or None for one hit
         Standard errors of \\|H\\| relative to \\|H\\|, and of the phase in rad (Bendat and Piersol, *Random Data*).
     valid : array of bool
-        True for a line that carries information.
+        True for a line at which the response is determined.
     n_averages : int
     """
 

@@ -34,9 +34,9 @@ class Options(TypedDict, total=False):
     support: Part
     """``sheet.Free(mass="1.504 kg ± 1 gram")``, ``sheet.Fixed()`` or ``sheet.LongRod(impedance="392 kg/s")``."""
     complete: tuple[Number, Number]
-    """Frequencies in Hz: lines below the first follow from the weighed mass, fitted up to the second."""
+    """Two frequencies in Hz: lines below the first are computed from the weighed mass; the model is fitted to the lines up to the second."""
     front_impedance: Number
-    """Characteristic impedance in kg/s of the material at the face. A force by time marching requires it."""
+    """Characteristic impedance in kg/s of the body at its face; required for a force by time marching."""
     progress: Progress
 
 
@@ -55,13 +55,13 @@ class Mobility(Result):
 
     @property
     def mobility(self) -> NDArray[np.complex128]:
-        """Mobility in m/(N s); NaN on lines without information."""
+        """Mobility in m/(N s); NaN on lines at which it is not determined."""
         of = self.lines.numbers
         return np.asarray(of("real_part_m_per_n_s") + 1j * of("imaginary_part_m_per_n_s"), dtype=np.complex128)
 
     @property
     def standard_error(self) -> NDArray[np.float64] | None:
-        """Root of E|δY|² in m/(N s), from the scatter of the hits; None if the scatter is not known."""
+        """Standard error √(E|δY|²) of the complex mobility Y in m/(N s), from the scatter of the hits; None if the scatter is not known."""
         name = "standard_error_m_per_n_s"
         return self.lines.numbers(name) if name in self.lines.units else None
 

@@ -39,15 +39,15 @@ class Options(TypedDict, total=False):
     poisson_ratio: Number
     """Poisson's ratio, to correct for lateral inertia with the theory of Pochhammer and Chree."""
     silent: Number
-    """Time in s for which each record is silent before the hit: the noise is estimated from this part."""
+    """Time in s at the start of each record, before the hit, from which the noise is estimated."""
     tail: str
     """``"Keep"`` to keep the end of long hits, which contains only noise; by default ``"LeaveOut"``."""
     limits: Mapping[str, str]
     """Requirements on a valid line, such as ``{"storage_modulus": "2 %"}``."""
     checks: Mapping[str, Any]
-    """Checks that need no true value, such as ``{"level": "1 %"}``."""
+    """Settings of the checks that any result must pass, such as ``{"level": "1 %"}``."""
     causal: bool
-    """True to determine also the relaxing material nearest to all lines together: :attr:`Modulus.causal`."""
+    """True to determine also the modulus of the relaxing material that is closest to all lines together: :attr:`Modulus.causal`."""
     report_at: Sequence[str]
     """Frequencies at which the results are also given as quantities, such as ``["1 kHz"]``."""
     folder: str | os.PathLike[str]
@@ -73,7 +73,7 @@ class Modulus(Result):
 
     @property
     def causal(self) -> Table | None:
-        """Causal estimate, the relaxing material nearest to all lines together, with its errors; None unless requested with ``causal=True``."""
+        """Causal estimate, the relaxing material closest to all lines together, with its errors; None unless requested with ``causal=True``."""
         return self.tables.get("causal")
 
     @property
@@ -223,7 +223,7 @@ def multi_point(
     """Returns the complex modulus from three or more gauges at any positions, or from two gauges and a free end, by least squares
     (a generalisation of Ödeen 1993, paper B).
 
-    One shot suffices: its errors follow from the silence before it. A record may end while the rod still rings.
+    One shot is enough: its errors follow from the quiet part before it. A record may end while the rod still rings.
 
     Parameters
     ----------

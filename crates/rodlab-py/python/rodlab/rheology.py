@@ -154,7 +154,7 @@ class Sweep(_Laws):
 
     @property
     def causal(self) -> Table | None:
-        """Causal estimate, the relaxing material nearest to all rows together, with its errors; None unless requested with ``causal=True``."""
+        """Causal estimate, the relaxing material closest to all rows together, with its errors; None unless requested with ``causal=True``."""
         return self.tables.get("causal")
 
     @property
@@ -222,7 +222,7 @@ def fit(
     Parameters
     ----------
     modulus : Modulus
-        Result of a function of :mod:`rodlab.modulus`. Its files are read again.
+        Result of a function of :mod:`rodlab.modulus`. The files of its hits are read again.
     laws : str or list of str
         ``elastic``, ``constant q``, ``spring-pot``, ``kelvin-voigt``, ``maxwell``, ``zener``, ``fractional maxwell``, ``fractional zener``,
         ``havriliak-negami``, ``generalised maxwell`` (number of branches by the criterion), ``power law`` (Ödeen 1993, paper E, eq. 7).
@@ -270,7 +270,7 @@ class SweepOptions(TypedDict, total=False):
     vertical_shifts: Part
     """``AsNeeded`` (default), ``Unity`` or ``RubberElasticity(...)``."""
     causal: bool
-    """True to determine also the relaxing material nearest to all rows together: :attr:`Sweep.causal`."""
+    """True to determine also the modulus of the relaxing material that is closest to all rows together: :attr:`Sweep.causal`."""
     criterion: str
     confidence: Number
     most_branches: int
@@ -323,7 +323,8 @@ def of_arrays(
     temperature : array_like of shape (n_rows,), or str
         Temperatures in °C; or one temperature of all rows, such as ``"23 degC"``.
     standard_error : array_like of complex, shape (n_rows,), optional
-        Standard errors of E' (real part) and of E'' (imaginary part) in Pa, independent from row to row; the scatter about the fit by default.
+        Standard errors of E' (real part) and of E'' (imaginary part) in Pa, independent from row to row; by default they follow from the scatter about
+        the fit.
     **options
         See :class:`SweepOptions`.
 
@@ -360,7 +361,7 @@ def over_time(
     Parameters
     ----------
     time : array_like, shape (n_rows,)
-        Times from the start of the load, in s. Rows up to the end of the ramp are left out.
+        Times from the start of the load, in s. Rows up to the end of the ramp are omitted.
     modulus : array_like, shape (n_rows,)
         Stress divided by strain in Pa: E(t) of relaxation, 1/J(t) of creep.
     test : str
@@ -370,7 +371,7 @@ def over_time(
     temperature : array_like of shape (n_rows,), or str
         Temperatures in °C; or one temperature of all rows, such as ``"23 degC"``.
     standard_error : array_like, shape (n_rows,), optional
-        Standard errors of the moduli in Pa, independent from row to row; the scatter about the fit by default.
+        Standard errors of the moduli in Pa, independent from row to row; by default they follow from the scatter about the fit.
     **options
         See :class:`SweepOptions`; ``causal`` needs moduli over frequency.
 

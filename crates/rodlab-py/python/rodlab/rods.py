@@ -1,6 +1,6 @@
 """Forward physics: waves in rods of known materials, and in bodies made of such rods (Ödeen 1993, papers A, B, E).
 
-Bodies and materials are stated as in a sheet: ``sheet.Chain(elements=[sheet.Rod(material="nylon", diameter="10 mm", length="1 m")])`` and
+Bodies and materials are described as in a sheet: ``sheet.Chain(elements=[sheet.Rod(material="nylon", diameter="10 mm", length="1 m")])`` and
 ``{"nylon": {"density": "1150 kg/m3", "law": sheet.Elastic(modulus="3 GPa")}}``. Uncertainties are not propagated here; only
 the values are used. The time factor is exp(+iωt).
 """
@@ -47,8 +47,8 @@ def mobility(body: Part, frequency_hz: ArrayLike, *, materials: Materials | None
 
 
 def transition_matrix(body: Part, frequency_hz: ArrayLike, *, materials: Materials | None = None) -> NDArray[np.complex128]:
-    """Returns the transition matrices of the state (N, v), the normal force in N s and the velocity in m, from the impact face to the other end
-    of a chain (Ödeen 1993, paper E, eqs. A2-A4, A10).
+    """Returns the transition matrices of the state (N, v), the Fourier transforms of normal force (in N s) and velocity (in m), from the impact face
+    to the other end of a chain (Ödeen 1993, paper E, eqs. A2-A4, A10).
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def propagation_coefficient(material: Mapping[str, Any], frequency_hz: ArrayLike
 
 
 def _text(body: Part, materials: Materials | None) -> str:
-    """Returns a sheet with the body for the extension module, which does not use velocity and duration."""
+    """Returns a sheet with the body for the extension module, which ignores velocity and duration."""
     rest = (("second", Part("RigidMass", ("1 kg",))), ("velocity", "1 m/s"), ("duration", "1 s"))
     problem = Part("Impact", (), (("first", body), *rest))
     return text_of(Part("Force", (), (("title", ""), ("materials", materials or {}), ("problem", problem))))
