@@ -5,8 +5,7 @@
 //! |---|---|---|
 //! | four tests, three parameters | a joint fit from scratch, solver error below 0.1 % of V0 | 0.1 s |
 //! | a hundred starts, two parameters | a tenth of a search from 1000 starts | 1 s |
-//! | one test, noise of both histories | a fit that also estimates the excitation of a nonlinear
-//! rod | |
+//! | one test, noise of both histories | a fit that also estimates the excitation | |
 //! | responses of the four tests | the responses and derivatives of one step of the joint fit | |
 //! | five laws, two tests | a selection with its evidence | 0.3 s |
 //!

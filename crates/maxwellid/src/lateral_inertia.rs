@@ -11,7 +11,8 @@
 //! and a rod with a free end has the velocity v̂_r = v̂_e / cosh(γL) there, as without lateral
 //! inertia. A [linear](crate::linear) rod is solved with this γ.
 //!
-//! # Nonlinear laws A nonlinear rod is marched with lateral inertia
+//! # Nonlinear laws
+//! A nonlinear rod is marched with lateral inertia
 //! ([`BranchedProblem::free_end_velocity_with_lateral_inertia`]); the derivatives of its response
 //! are differences of such responses. A linear rod with a law of the time domain is marched without
 //! lateral inertia, and its response is multiplied by
