@@ -360,6 +360,99 @@ pub enum LabioError {
     InFile { path: PathBuf, source: Box<Self> },
 }
 
+/// Returns the error [`LabioError::NonPhysical`].
+pub(crate) fn non_physical<T>(
+    quantity: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<T, LabioError> {
+    Err(LabioError::NonPhysical {
+        quantity,
+        value,
+        expected,
+    })
+}
+
+/// Returns the error [`LabioError::NonFiniteSample`].
+pub(crate) fn non_finite_sample<T>(
+    channel: impl Into<String>,
+    index: usize,
+    value: f64,
+) -> Result<T, LabioError> {
+    Err(LabioError::NonFiniteSample {
+        channel: channel.into(),
+        index,
+        value,
+    })
+}
+
+/// Accepts the samples of `channel` if all of them are finite.
+pub(crate) fn check_samples<'a>(
+    channel: &str,
+    samples: impl IntoIterator<Item = &'a f64>,
+) -> Result<(), LabioError> {
+    let mut numbered = samples.into_iter().enumerate();
+    match numbered.find(|(_, sample)| !sample.is_finite()) {
+        None => Ok(()),
+        Some((index, &value)) => non_finite_sample(channel, index, value),
+    }
+}
+
+/// Returns the error [`LabioError::CountMismatch`].
+pub(crate) fn count_mismatch<T>(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<T, LabioError> {
+    Err(LabioError::CountMismatch {
+        what,
+        found,
+        expected,
+    })
+}
+
+/// Returns the error [`LabioError::TooFewSamples`].
+pub(crate) fn too_few_samples<T>(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<T, LabioError> {
+    Err(LabioError::TooFewSamples {
+        what,
+        found,
+        expected,
+    })
+}
+
+/// Returns the error [`LabioError::TooFewAverages`].
+pub(crate) fn too_few_averages<T>(
+    estimate: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<T, LabioError> {
+    Err(LabioError::TooFewAverages {
+        estimate,
+        found,
+        expected,
+    })
+}
+
+/// Creates a [`LabioError::Truncated`] of the format called `format`.
+pub(crate) fn truncated(format: &'static str, missing_bytes: impl TryInto<usize>) -> LabioError {
+    LabioError::Truncated {
+        format,
+        missing_bytes: missing_bytes.try_into().unwrap_or(usize::MAX),
+    }
+}
+
+/// Creates a [`LabioError::NotRepresentable`] of the format called `format`.
+pub(crate) fn not_representable(format: &'static str, what: impl Into<String>) -> LabioError {
+    LabioError::NotRepresentable {
+        format,
+        what: what.into(),
+    }
+}
+
 /// Creates a [`LabioError::Malformed`] of the format called `format`.
 pub(crate) fn malformed(
     format: &'static str,
@@ -454,11 +547,7 @@ pub(crate) fn check_count(
     if found == expected {
         Ok(())
     } else {
-        Err(LabioError::CountMismatch {
-            what,
-            found,
-            expected,
-        })
+        count_mismatch(what, found, expected)
     }
 }
 
@@ -471,11 +560,7 @@ pub(crate) fn check_enough_samples(
     if found >= expected {
         Ok(())
     } else {
-        Err(LabioError::TooFewSamples {
-            what,
-            found,
-            expected,
-        })
+        too_few_samples(what, found, expected)
     }
 }
 
@@ -484,11 +569,7 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
-        Err(LabioError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value above 0",
-        })
+        non_physical(quantity, value, "a finite value above 0")
     }
 }
 
@@ -497,11 +578,7 @@ pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, La
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(LabioError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value",
-        })
+        non_physical(quantity, value, "a finite value")
     }
 }
 
@@ -510,10 +587,6 @@ pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f
     if value.is_finite() && value >= 0.0 {
         Ok(value)
     } else {
-        Err(LabioError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value of at least 0",
-        })
+        non_physical(quantity, value, "a finite value of at least 0")
     }
 }

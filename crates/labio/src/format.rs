@@ -26,7 +26,7 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::error::check_positive;
+use crate::error::{check_positive, count_mismatch};
 use crate::{Abscissa, Contents, Dimension, LabioError, Provenance, Record};
 
 pub mod csv;
@@ -47,6 +47,7 @@ pub mod workbook;
 mod kind;
 mod matlab_array;
 mod memory;
+mod number_type;
 mod reading;
 mod replace_file;
 mod rounding;
@@ -66,6 +67,19 @@ pub enum Strictness {
     Strict,
     /// Return what can be read, and list the rest in [`Contents::defects`].
     Tolerant,
+}
+
+impl Strictness {
+    /// Adds the error of a part of a file to `defects` if the rest of the file is read nevertheless.
+    fn pass_over(self, error: LabioError, defects: &mut Vec<LabioError>) -> Result<(), LabioError> {
+        match self {
+            Self::Strict => Err(error),
+            Self::Tolerant => {
+                defects.push(error);
+                Ok(())
+            }
+        }
+    }
 }
 
 /// A reader of a format.
@@ -292,19 +306,12 @@ pub fn read_record(path: impl AsRef<Path>) -> Result<Record, LabioError> {
     if let Some(reason) = found.left_out.into_iter().next() {
         return Err(in_file(path, reason));
     }
-    let count = found.records.len();
-    let mut records = found.records.into_iter();
-    match (records.next(), records.next()) {
-        (Some(record), None) => Ok(record),
-        _ => Err(in_file(
-            path,
-            LabioError::CountMismatch {
-                what: "records in the file",
-                found: count,
-                expected: 1,
-            },
-        )),
-    }
+    let records = <[Record; 1]>::try_from(found.records);
+    let [record] = records.or_else(|records| {
+        count_mismatch("records in the file", records.len(), 1)
+            .map_err(|source| in_file(path, source))
+    })?;
+    Ok(record)
 }
 
 /// Writes `contents` to the file at `path`, which is replaced only after everything has been

@@ -15,6 +15,7 @@ pub use departure::Departure;
 use num_complex::Complex64;
 
 use crate::channel::{self, Channel};
+use crate::error::count_mismatch;
 use crate::spectra::CrossLines;
 use crate::{AddedDamping, AveragedSpectra, LabioError};
 
@@ -250,11 +251,7 @@ impl FrequencyResponse {
         ];
         match lists.into_iter().find(|(_, found)| *found != expected) {
             None => Ok(()),
-            Some((what, found)) => Err(LabioError::CountMismatch {
-                what,
-                found,
-                expected,
-            }),
+            Some((what, found)) => count_mismatch(what, found, expected),
         }
     }
 

@@ -5,6 +5,7 @@
 use num_complex::Complex64;
 
 use crate::dft;
+use crate::error::{check_samples, count_mismatch};
 use crate::{AddedDamping, Channel, FrequencyResponse, LabioError};
 
 /// Impulse response $`h(t_n) = \frac{1}{N\Delta t}\sum_k H_k e^{2\pi i kn/N}`$, with the sum over
@@ -44,25 +45,18 @@ impl FrequencyResponse {
         let n_lines = self.n_samples / 2 + 1;
         let (Some(spacing_hz), true) = (self.frequency_hz.get(1), self.values.len() == n_lines)
         else {
-            return Err(LabioError::CountMismatch {
-                what: "lines of the frequency response",
-                found: self.values.len(),
-                expected: n_lines.max(2),
-            });
+            return count_mismatch(
+                "lines of the frequency response",
+                self.values.len(),
+                n_lines.max(2),
+            );
         };
         let sampling_rate_hz = spacing_hz * self.n_samples as f64;
         let mut values = dft::inverse(&self.values, self.n_samples);
         for value in &mut values {
             *value *= sampling_rate_hz;
         }
-        let mut numbered = values.iter().enumerate();
-        if let Some((index, value)) = numbered.find(|(_, value)| !value.is_finite()) {
-            return Err(LabioError::NonFiniteSample {
-                channel: "impulse response".to_owned(),
-                index,
-                value: *value,
-            });
-        }
+        check_samples("impulse response", &values)?;
         Ok(ImpulseResponse {
             input: self.input.clone(),
             output: self.output.clone(),

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use crate::LabioError;
 use crate::dft;
-use crate::error::{check_enough_samples, check_positive};
+use crate::error::{check_enough_samples, check_positive, check_samples, count_mismatch};
 
 /// Treatment of low frequencies in an integration. An offset of 1 becomes a drift of t, so every
 /// integration needs a definition of the offset.
@@ -111,15 +111,8 @@ pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>,
 
 /// Accepts a result if it has not overflowed.
 fn in_range(what: &str, result: Vec<f64>) -> Result<Vec<f64>, LabioError> {
-    let mut numbered = result.iter().enumerate();
-    match numbered.find(|(_, value)| !value.is_finite()) {
-        None => Ok(result),
-        Some((index, &value)) => Err(LabioError::NonFiniteSample {
-            channel: what.to_owned(),
-            index,
-            value,
-        }),
-    }
+    check_samples(what, &result)?;
+    Ok(result)
 }
 
 fn integrate_from_rest(
@@ -129,11 +122,7 @@ fn integrate_from_rest(
 ) -> Result<Vec<f64>, LabioError> {
     check_enough_samples("the time at rest", n_at_rest, 1)?;
     let Some(at_rest) = samples.get(..n_at_rest) else {
-        return Err(LabioError::CountMismatch {
-            what: "samples at rest, at most",
-            found: n_at_rest,
-            expected: samples.len(),
-        });
+        return count_mismatch("samples at rest, at most", n_at_rest, samples.len());
     };
     let offset = at_rest.iter().sum::<f64>() / n_at_rest as f64;
     let half_step = 0.5 / sampling_rate_hz;
@@ -156,14 +145,7 @@ fn integrate_from_rest(
 fn check(samples: &[f64], sampling_rate_hz: f64) -> Result<(), LabioError> {
     check_positive("sampling rate [Hz]", sampling_rate_hz)?;
     check_enough_samples("the history", samples.len(), 2)?;
-    if let Some((index, &value)) = samples.iter().enumerate().find(|(_, s)| !s.is_finite()) {
-        return Err(LabioError::NonFiniteSample {
-            channel: "history".to_owned(),
-            index,
-            value,
-        });
-    }
-    Ok(())
+    check_samples("history", samples)
 }
 
 #[cfg(test)]

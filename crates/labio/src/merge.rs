@@ -11,7 +11,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, Gamma};
 
-use crate::error::check_count;
+use crate::error::{check_count, count_mismatch, too_few_averages};
 use crate::{AveragedSpectra, Estimator, FrequencyResponse, LabioError, LineValidity};
 use agreement::agreement;
 use entering::{
@@ -183,11 +183,7 @@ impl MergedResponse {
         let mut merged = Self::like(tests)?;
         for test in tests {
             if test.variance.is_none() {
-                return Err(LabioError::TooFewAverages {
-                    estimate: "a merge by inverse variance",
-                    found: test.n_averages,
-                    expected: 2,
-                });
+                return too_few_averages("a merge by inverse variance", test.n_averages, 2);
             }
         }
         for line in 0..merged.coherent.len() {
@@ -245,11 +241,7 @@ impl MergedResponse {
     /// Creates a response with the properties of the tests, but without lines yet.
     fn like(tests: &[FrequencyResponse]) -> Result<Self, LabioError> {
         let Some(first) = tests.first() else {
-            return Err(LabioError::CountMismatch {
-                what: "tests to merge",
-                found: 0,
-                expected: 1,
-            });
+            return count_mismatch("tests to merge", 0, 1);
         };
         for (index, test) in tests.iter().enumerate() {
             test.check_lengths()?;

@@ -8,6 +8,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::channel;
+use crate::error::{count_mismatch, too_few_averages};
 use crate::frf;
 use crate::{
     AddedDamping, AveragedSpectra, Channel, Coherence, Estimator, FrequencyResponse, LabioError,
@@ -166,11 +167,7 @@ impl AveragedSpectra {
     ) -> Result<MultiInputResponse, LabioError> {
         let q = inputs.len();
         if q == 0 {
-            return Err(LabioError::CountMismatch {
-                what: "inputs",
-                found: 0,
-                expected: 1,
-            });
+            return count_mismatch("inputs", 0, 1);
         }
         let names = inputs.iter().chain(std::iter::once(&output));
         let channels = names
@@ -178,11 +175,7 @@ impl AveragedSpectra {
             .collect::<Result<Vec<Channel>, _>>()?;
         channel::check_distinct(&channels)?;
         if self.n_averages() <= q || self.effective_averages() <= q as f64 {
-            return Err(LabioError::TooFewAverages {
-                estimate: "a response to several inputs",
-                found: self.n_averages(),
-                expected: q + 1,
-            });
+            return too_few_averages("a response to several inputs", self.n_averages(), q + 1);
         }
         let mut autos = Vec::with_capacity(q + 1);
         let mut least = Vec::with_capacity(q + 1);

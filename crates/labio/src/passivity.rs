@@ -4,6 +4,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
+use crate::error::{non_physical, too_few_averages};
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
 /// Degrees of freedom above which Student's distribution equals the normal distribution to three
@@ -70,19 +71,15 @@ impl FrequencyResponse {
     /// variance, [`LabioError::NonPhysical`] for a level that is not between 0 and 1.
     pub fn passivity(&self, level: f64) -> Result<PassivityReport, LabioError> {
         if !(level > 0.0 && level < 1.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "probability level of an active line [-]",
-                value: level,
-                expected: "between 0 and 1",
-            });
+            return non_physical(
+                "probability level of an active line [-]",
+                level,
+                "between 0 and 1",
+            );
         }
         let mobility = self.to_kind(ResponseKind::Mobility)?;
         let Some(variances) = mobility.variance else {
-            return Err(LabioError::TooFewAverages {
-                estimate: "the passivity of a driving point",
-                found: self.n_averages,
-                expected: 2,
-            });
+            return too_few_averages("the passivity of a driving point", self.n_averages, 2);
         };
         let real_part: Vec<f64> = mobility.values.iter().map(|value| value.re).collect();
         let standard_error: Vec<f64> = variances.iter().map(|v| (v / 2.0).sqrt()).collect();

@@ -22,7 +22,7 @@ pub use pulses::{PulseWindow, noise_of_cut_pulse};
 
 use num_complex::Complex64;
 
-use crate::error::check_count;
+use crate::error::{check_count, non_physical, too_few_averages};
 use crate::frf::chance_level;
 use crate::{AveragedSpectra, LabioError, Record, RestNoise, SensorError, Window};
 use freedom::check_averages;
@@ -224,11 +224,7 @@ impl ResponseRatio {
         check_count("frequencies of a ratio", frequency_hz.len(), values.len())?;
         check_count("variances of a ratio", variance.len(), values.len())?;
         if let Some(negative) = variance.iter().find(|variance| **variance < 0.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "variance of a ratio",
-                value: *negative,
-                expected: "0 or more",
-            });
+            return non_physical("variance of a ratio", *negative, "0 or more");
         }
         Ok(Self {
             frequency_hz,
@@ -275,11 +271,11 @@ impl ResponseRatio {
     ) -> Result<Self, LabioError> {
         let response = spectra.h1(denominator, numerator)?;
         let Some(coherence) = response.coherence else {
-            return Err(LabioError::TooFewAverages {
-                estimate: "the error of a ratio from its coherence",
-                found: response.n_averages,
-                expected: 2,
-            });
+            return too_few_averages(
+                "the error of a ratio from its coherence",
+                response.n_averages,
+                2,
+            );
         };
         if spectra
             .coherence(denominator, numerator)?
@@ -338,11 +334,7 @@ fn variance_from_coherence(
             return Ok(f64::INFINITY);
         }
         if !(0.0..=1.0 + ROUNDING).contains(coherence) {
-            return Err(LabioError::NonPhysical {
-                quantity: "coherence",
-                value: *coherence,
-                expected: "from 0 to 1",
-            });
+            return non_physical("coherence", *coherence, "from 0 to 1");
         }
         let incoherent = (1.0 - coherence).max(0.0);
         Ok(if *coherence <= 0.0 {

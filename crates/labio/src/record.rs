@@ -6,7 +6,10 @@ use std::sync::Arc;
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice, Zip};
 
 use crate::channel::{self, Channel};
-use crate::error::{check_count, check_enough_samples, check_finite, check_positive};
+use crate::error::{
+    check_count, check_enough_samples, check_finite, check_positive, check_samples, non_physical,
+    too_few_samples,
+};
 use crate::filter;
 use crate::{LabioError, LevelAtRest, Provenance, SensorChain, SensorError};
 
@@ -66,11 +69,7 @@ impl Record {
             samples.nrows(),
         )?;
         if samples.is_empty() || samples.ncols() < 2 {
-            return Err(LabioError::TooFewSamples {
-                what: "the record",
-                found: samples.len(),
-                expected: 2,
-            });
+            return too_few_samples("the record", samples.len(), 2);
         }
         check_finite(
             "end of the record [s]",
@@ -78,7 +77,7 @@ impl Record {
         )?;
         channel::check_distinct(&channels)?;
         for (row, channel) in samples.rows().into_iter().zip(&channels) {
-            check_samples(row, channel.name())?;
+            check_samples(channel.name(), row)?;
         }
         Ok(Self {
             samples,
@@ -135,7 +134,7 @@ impl Record {
         Zip::from(&mut row)
             .and(recorded.samples.row(index))
             .for_each(|sample, &number| *sample = chain.si_from(number));
-        check_samples(self.samples.row(index), name)?;
+        check_samples(name, self.samples.row(index))?;
         if let Some(slot) = recorded.chains.get_mut(index) {
             *slot = Some(chain);
         }
@@ -297,11 +296,11 @@ impl Record {
             let skew = chain.as_ref().map_or(0.0, SensorChain::time_skew);
             if skew != 0.0 {
                 if skew.abs() >= self.duration() {
-                    return Err(LabioError::NonPhysical {
-                        quantity: "time skew [s]",
-                        value: skew,
-                        expected: "less than the duration of the record",
-                    });
+                    return non_physical(
+                        "time skew [s]",
+                        skew,
+                        "less than the duration of the record",
+                    );
                 }
                 let in_place = filter::delayed(&row.to_vec(), skew * self.sampling_rate_hz);
                 for (slot, sample) in row.iter_mut().zip(in_place) {
@@ -388,17 +387,6 @@ impl Record {
 
     pub(crate) fn with_provenance(self, provenance: Provenance) -> Self {
         Self { provenance, ..self }
-    }
-}
-
-fn check_samples(row: ArrayView1<'_, f64>, channel: &str) -> Result<(), LabioError> {
-    match row.iter().enumerate().find(|(_, s)| !s.is_finite()) {
-        None => Ok(()),
-        Some((index, &value)) => Err(LabioError::NonFiniteSample {
-            channel: channel.to_owned(),
-            index,
-            value,
-        }),
     }
 }
 

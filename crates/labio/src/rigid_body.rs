@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::error::{check_enough_samples, check_positive};
+use crate::error::{check_enough_samples, check_positive, non_physical};
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
 /// Fewest lines for a fit of three numbers and the standard error of the fit.
@@ -69,11 +69,11 @@ impl RigidBody {
     pub fn new(mass: f64, standard_error: f64) -> Result<Self, LabioError> {
         check_positive("mass [kg]", mass)?;
         if !(standard_error.is_finite() && standard_error >= 0.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "standard error of the mass [kg]",
-                value: standard_error,
-                expected: "a finite value, not negative",
-            });
+            return non_physical(
+                "standard error of the mass [kg]",
+                standard_error,
+                "a finite value, not negative",
+            );
         }
         Ok(Self {
             mass,
@@ -109,11 +109,11 @@ impl RigidBody {
             band.from_hz,
         )?;
         if !(band.to_hz.is_finite() && band.to_hz > band.from_hz) {
-            return Err(LabioError::NonPhysical {
-                quantity: "end of the band of a nearly rigid body [Hz]",
-                value: band.to_hz,
-                expected: "a finite frequency above its start",
-            });
+            return non_physical(
+                "end of the band of a nearly rigid body [Hz]",
+                band.to_hz,
+                "a finite frequency above its start",
+            );
         }
         let kind = response.kind()?;
         let mut accelerance = response.to_kind(ResponseKind::Accelerance)?;

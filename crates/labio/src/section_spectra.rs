@@ -4,6 +4,7 @@
 
 use num_complex::Complex64;
 
+use crate::error::too_few_averages;
 use crate::ratio::{DegreesOfFreedom, keep};
 use crate::{
     AddedDamping, AveragedSpectra, LabioError, Record, RestNoise, SensorError, SpectrumAverager,
@@ -45,11 +46,7 @@ impl SectionSpectra {
         added_damping: Option<AddedDamping>,
     ) -> Result<Self, LabioError> {
         let (Some(hit), Some(first)) = (hits.first(), channels.first()) else {
-            return Err(LabioError::TooFewAverages {
-                estimate: "the spectra of sections",
-                found: hits.len().min(channels.len()),
-                expected: 1,
-            });
+            return too_few_averages("the spectra of sections", hits.len().min(channels.len()), 1);
         };
         let mut frequency_hz = Vec::new();
         let mut duration = 0.0;

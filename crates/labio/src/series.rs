@@ -61,13 +61,6 @@ pub enum Ordinate {
     Complex(Vec<Complex64>),
 }
 
-/// Returns a contiguous copy of `n` values, starting at `first` in steps of `step`: a row or a
-/// column of a table.
-pub(crate) fn every<T: Copy>(values: &[T], first: usize, step: usize, n: usize) -> Vec<T> {
-    let line = values.iter().skip(first).step_by(step.max(1));
-    line.take(n).copied().collect()
-}
-
 impl Ordinate {
     /// Number of values.
     #[must_use]
@@ -82,6 +75,19 @@ impl Ordinate {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Returns a contiguous copy of `n` values, starting at `first` in steps of `step`: a row or a
+    /// column of a table.
+    pub(crate) fn every(&self, first: usize, step: usize, n: usize) -> Self {
+        fn line<T: Copy>(values: &[T], first: usize, step: usize, n: usize) -> Vec<T> {
+            let line = values.iter().skip(first).step_by(step.max(1));
+            line.take(n).copied().collect()
+        }
+        match self {
+            Self::Real(values) => Self::Real(line(values, first, step, n)),
+            Self::Complex(values) => Self::Complex(line(values, first, step, n)),
+        }
     }
 }
 
@@ -113,6 +119,31 @@ pub struct Series {
     pub ordinate_axis: SeriesAxis,
     /// All other information of the file about this data set, in the order of the file.
     pub properties: Vec<(String, String)>,
+}
+
+impl Series {
+    /// Creates a general series over the index of its values.
+    pub(crate) fn over_index(
+        name: String,
+        ordinate: Ordinate,
+        properties: Vec<(String, String)>,
+    ) -> Self {
+        Self {
+            name,
+            kind: SeriesKind::General,
+            abscissa: Abscissa::Even {
+                start: 0.0,
+                step: 1.0,
+            },
+            ordinate,
+            abscissa_axis: SeriesAxis {
+                label: "index".to_owned(),
+                ..SeriesAxis::default()
+            },
+            ordinate_axis: SeriesAxis::default(),
+            properties,
+        }
+    }
 }
 
 /// The contents read from a file.

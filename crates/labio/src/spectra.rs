@@ -19,6 +19,7 @@ pub use welch::Welch;
 use num_complex::Complex64;
 
 use crate::channel::{self, Channel};
+use crate::error::too_few_averages;
 use crate::{AddedDamping, LabioError, Record, Window};
 #[allow(unused_imports, reason = "named in documentation")]
 use crate::{Estimator, FrequencyResponse};
@@ -77,11 +78,7 @@ impl AveragedSpectra {
     ) -> Result<Self, LabioError> {
         let mut hits = hits.into_iter();
         let Some(first) = hits.next() else {
-            return Err(LabioError::TooFewAverages {
-                estimate: "an averaged spectrum",
-                found: 0,
-                expected: 1,
-            });
+            return too_few_averages("an averaged spectrum", 0, 1);
         };
         let mut averager = SpectrumAverager::for_records_like(first, window)?;
         averager.add(first)?;

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::check_count;
+use crate::error::{check_count, count_mismatch};
 use crate::{Channel, LabioError};
 
 /// A source of simultaneously sampled channels that is read from start to end.
@@ -36,11 +36,7 @@ pub(crate) fn read_next<S: BlockSource + ?Sized>(
     let n_channels = block.nrows();
     let n = source.read_block(block)?;
     if n > block.ncols() {
-        return Err(LabioError::CountMismatch {
-            what: "samples read into a block, at most",
-            found: n,
-            expected: block.ncols(),
-        });
+        return count_mismatch("samples read into a block, at most", n, block.ncols());
     }
     check_count("rows of a block of samples", block.nrows(), n_channels)?;
     Ok(n)

@@ -8,6 +8,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::{LabioError, Quantity};
+pub(crate) use ratio::EXACT_INTEGERS;
 use ratio::Ratio;
 use symbol::G;
 

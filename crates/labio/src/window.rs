@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use crate::LabioError;
-use crate::error::check_enough_samples;
+use crate::error::{check_enough_samples, count_mismatch, non_physical};
 
 const HANN: [f64; 2] = [0.5, 0.5];
 const HAMMING: [f64; 2] = [0.54, 0.46];
@@ -177,11 +177,7 @@ impl SampledWindow {
             ("samples from segment to segment", hop),
         ] {
             if found == 0 {
-                return Err(LabioError::CountMismatch {
-                    what,
-                    found,
-                    expected: 1,
-                });
+                return count_mismatch(what, found, 1);
             }
         }
         let k = n_segments as f64;
@@ -215,11 +211,11 @@ pub(crate) fn check_length(n_samples: usize) -> Result<(), LabioError> {
     if n_samples <= LONGEST {
         Ok(())
     } else {
-        Err(LabioError::CountMismatch {
-            what: "samples of a window or a transform, at most",
-            found: n_samples,
-            expected: LONGEST,
-        })
+        count_mismatch(
+            "samples of a window or a transform, at most",
+            n_samples,
+            LONGEST,
+        )
     }
 }
 
@@ -241,11 +237,11 @@ fn cosines(coefficients: &[f64], n_samples: usize, period: usize) -> Vec<f64> {
 
 fn tukey(taper: f64, n_samples: usize, period: usize) -> Result<Vec<f64>, LabioError> {
     if !(0.0..=1.0).contains(&taper) {
-        return Err(LabioError::NonPhysical {
-            quantity: "taper of the Tukey window [-]",
-            value: taper,
-            expected: "a fraction from 0 to 1",
-        });
+        return non_physical(
+            "taper of the Tukey window [-]",
+            taper,
+            "a fraction from 0 to 1",
+        );
     }
     let edge = taper / 2.0 * period as f64;
     Ok((0..n_samples)

@@ -1,7 +1,7 @@
 //! Strain gauges in a Wheatstone bridge.
 
 use super::Rating;
-use crate::error::check_positive;
+use crate::error::{check_positive, non_physical};
 use crate::{LabioError, Quantity};
 
 /// The arms of the bridge that carry gauges, and the normal strain that these measure.
@@ -114,11 +114,11 @@ impl StrainBridge {
         | BridgeLayout::FullBendingPoisson { poisson_ratio } = layout
             && !(0.0..=0.5).contains(&poisson_ratio)
         {
-            return Err(LabioError::NonPhysical {
-                quantity: "Poisson's ratio [-]",
-                value: poisson_ratio,
-                expected: "a value from 0 to 0.5",
-            });
+            return non_physical(
+                "Poisson's ratio [-]",
+                poisson_ratio,
+                "a value from 0 to 0.5",
+            );
         }
         Ok(Self {
             layout,

@@ -46,16 +46,13 @@ use hdf5_reader::{Attribute, Dataset, Hdf5File, OpenOptions};
 
 use crate::error;
 use crate::format::matlab_array::sample_at_stated_rate;
-use crate::format::reading::Reading;
+use crate::format::reading::{DEEPEST, Reading};
 use crate::format::{MemoryLimit, Reader, Strictness};
 use crate::{Contents, LabioError, Place};
 
 const FORMAT: &str = "hdf5";
 
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
-
-/// Greatest depth of nested groups that is read.
-const DEEPEST: usize = 64;
 
 /// HDF5 files, read only; see the [module](self).
 ///
@@ -155,10 +152,9 @@ impl Hierarchy {
             return Ok(());
         }
         if depth > DEEPEST {
-            let (found, expected) = (format!("{depth} levels deep"), "at most 64 levels");
-            return self
-                .reading
-                .pass_over(malformed(path, at, found, expected), at);
+            let found = format!("{depth} levels deep");
+            let error = malformed(path, at, found, "at most 64 levels");
+            return self.reading.pass_over(error, at);
         }
         match group.attributes() {
             Ok(attributes) => {

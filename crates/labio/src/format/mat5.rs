@@ -44,6 +44,7 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use crate::error;
+use crate::error::truncated;
 use crate::format::matlab_array::sample_at_stated_rate;
 use crate::format::memory::Budget;
 use crate::format::reading::Reading;
@@ -159,12 +160,8 @@ pub fn read_within(
     limit: MemoryLimit,
 ) -> Result<Contents, LabioError> {
     let refused = |found: String| {
-        malformed(
-            Place::Byte(124),
-            "version",
-            found,
-            "a MATLAB file of version 5",
-        )
+        let expected = "a MATLAB file of version 5";
+        malformed(Place::Byte(124), "version", found, expected)
     };
     let big_endian = match Version::of(bytes) {
         Some(Version::Five { big_endian }) => big_endian,
@@ -199,14 +196,7 @@ pub fn read_within(
             }
         };
         let read = match element.kind {
-            MATRIX => {
-                let inner = Cursor::new(
-                    element.data,
-                    Origin::File(element.at + TAG_BYTES),
-                    big_endian,
-                );
-                matrix::read(inner, "", 0, &mut reading)
-            }
+            MATRIX => matrix::read(cursor.within(&element), "", 0, &mut reading),
             COMPRESSED => packed(&element, big_endian, &mut reading),
             other => Err(malformed(
                 Place::Byte(element.at),
@@ -250,10 +240,11 @@ fn unpack(
 ) -> Result<Vec<u8>, LabioError> {
     let mut inflated = ZlibDecoder::new(deflated);
     let failed = |error: std::io::Error| {
+        let found = text::quoted(&error.to_string());
         malformed(
             Place::Byte(at),
             "compressed element",
-            text::quoted(&error.to_string()),
+            found,
             "deflated bytes",
         )
     };
@@ -266,12 +257,8 @@ fn unpack(
     };
     let (kind, length) = (word([a, b, c, d]), word([e, f, g, h]));
     if kind != MATRIX {
-        return Err(malformed(
-            Place::Byte(at),
-            "type of the compressed element",
-            kind.to_string(),
-            "an array (14)",
-        ));
+        let (field, found) = ("type of the compressed element", kind.to_string());
+        return Err(malformed(Place::Byte(at), field, found, "an array (14)"));
     }
     let length = length as usize;
     let mut body = Vec::new();
@@ -283,10 +270,7 @@ fn unpack(
         let (new, _) = room.split_at(n);
         if new.is_empty() {
             budget.give_back(body.len());
-            return Err(LabioError::Truncated {
-                format: FORMAT,
-                missing_bytes: length - body.len(),
-            });
+            return Err(truncated(FORMAT, length - body.len()));
         }
         budget.take(n, 1, Place::Byte(at), "a compressed array")?;
         body.extend_from_slice(new);

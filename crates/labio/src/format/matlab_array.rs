@@ -1,8 +1,7 @@
 //! MATLAB arrays as series, for all versions of the file format.
 
 use super::text;
-use crate::series::every;
-use crate::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
+use crate::{Abscissa, Contents, Ordinate, Series};
 
 /// An array of numbers whose first axis varies fastest.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +27,13 @@ pub(super) fn misplaced(shape: &[usize], length: usize) -> Option<String> {
         let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
         format!("an array of {}", lengths.join(" x "))
     })
+}
+
+/// Returns true if the number of elements, and of those of every part, does not overflow.
+pub(super) fn is_countable(shape: &[usize]) -> bool {
+    // a length of zero would hide an overflow of the other lengths
+    let mut lengths = shape.iter().copied().filter(|&length| length > 0);
+    lengths.try_fold(1, usize::checked_mul).is_some()
 }
 
 impl<'a> Array<'a> {
@@ -67,27 +73,11 @@ impl<'a> Array<'a> {
                     format!("{}(:,{})", self.name, subscripts(index, others))
                 }
             };
-            Series {
-                name,
-                kind: SeriesKind::General,
-                abscissa: Abscissa::Even {
-                    start: 0.0,
-                    step: 1.0,
-                },
-                ordinate: match values {
-                    Ordinate::Real(all) => Ordinate::Real(every(all, first, step, length)),
-                    Ordinate::Complex(all) => Ordinate::Complex(every(all, first, step, length)),
-                },
-                abscissa_axis: SeriesAxis {
-                    label: "index".to_owned(),
-                    ..SeriesAxis::default()
-                },
-                ordinate_axis: SeriesAxis::default(),
-                properties: match self.class {
-                    "double" => Vec::new(),
-                    class => vec![("class".to_owned(), class.to_owned())],
-                },
-            }
+            let properties = match self.class {
+                "double" => Vec::new(),
+                class => vec![("class".to_owned(), class.to_owned())],
+            };
+            Series::over_index(name, values.every(first, step, length), properties)
         })
     }
 }

@@ -26,7 +26,7 @@ use std::path::Path;
 use ndarray::{Array2, ArrayView1, Axis, ShapeBuilder};
 
 use super::opened;
-use crate::error::check_positive;
+use crate::error::{check_count, check_positive, check_samples, too_few_samples};
 use crate::{Channel, LabioError, Provenance, Record};
 use array::{Array, Values};
 use header::{Element, Header};
@@ -88,13 +88,8 @@ pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, 
         .read_to_end(&mut bytes)
         .map_err(|source| LabioError::Read { source })?;
     let array = parse(&bytes)?;
-    if array.nrows() != channels.len() + 1 {
-        return Err(LabioError::CountMismatch {
-            what: "rows of the array, one for the times and one per channel",
-            found: array.nrows(),
-            expected: channels.len() + 1,
-        });
-    }
+    let what = "rows of the array, one for the times and one per channel";
+    check_count(what, array.nrows(), channels.len() + 1)?;
     let (times, samples) = array.view().split_at(Axis(0), 1);
     let clock = Clock::of(times.row(0))?;
     Record::new(
@@ -150,19 +145,9 @@ impl Clock {
     fn of(times: ArrayView1<'_, f64>) -> Result<Self, LabioError> {
         let (Some(&first), Some(&last), true) = (times.first(), times.last(), times.len() > 1)
         else {
-            return Err(LabioError::TooFewSamples {
-                what: "the row of times",
-                found: times.len(),
-                expected: 2,
-            });
+            return too_few_samples("the row of times", times.len(), 2);
         };
-        if let Some((index, &value)) = times.iter().enumerate().find(|(_, t)| !t.is_finite()) {
-            return Err(LabioError::NonFiniteSample {
-                channel: "time".to_owned(),
-                index,
-                value,
-            });
-        }
+        check_samples("time", times)?;
         let expected = check_positive(
             "mean time step [s]",
             (last - first) / (times.len() - 1) as f64,

@@ -31,6 +31,7 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use crate::error::malformed;
 use crate::format::memory::Budget;
 use crate::format::npy::array::{Array, Values};
 use crate::format::npy::header::{Header, shape_text};
@@ -108,7 +109,7 @@ pub fn read_within(
     limit: MemoryLimit,
 ) -> Result<Contents, LabioError> {
     let mut archive =
-        ZipArchive::new(Cursor::new(bytes)).map_err(|error| zip_error(error, 0, "archive"))?;
+        ZipArchive::new(Cursor::new(bytes)).map_err(|error| zip_error(error, "archive"))?;
     let mut contents = Contents::of_format(FORMAT);
     let mut budget = Budget::new(FORMAT, limit);
     let mut arrays = Vec::new();
@@ -116,8 +117,7 @@ pub fn read_within(
         match member(&mut archive, index, &mut budget) {
             Ok(array) => arrays.push(array),
             Err(error @ LabioError::MemoryLimit { .. }) => return Err(error),
-            Err(error) if strictness == Strictness::Tolerant => contents.defects.push(error),
-            Err(error) => return Err(error),
+            Err(error) => strictness.pass_over(error, &mut contents.defects)?,
         }
     }
     let mut beside = HashMap::new();
@@ -150,21 +150,11 @@ pub fn read_within(
                 series.extend(of_array);
             }
             shape => {
-                let error = LabioError::Malformed {
-                    format: FORMAT,
-                    place: Place::Byte(0),
-                    field: format!("`{name}`"),
-                    found: format!(
-                        "of shape {} and element {}",
-                        shape_text(shape),
-                        array.header.element
-                    ),
-                    expected: "numbers with at most two axes, or a text".to_owned(),
-                };
-                match strictness {
-                    Strictness::Strict => return Err(error),
-                    Strictness::Tolerant => contents.defects.push(error),
-                }
+                let (shape, element) = (shape_text(shape), array.header.element);
+                let found = format!("of shape {shape} and element {element}");
+                let expected = "numbers with at most two axes, or a text";
+                let error = about::malformed(&name, found, expected);
+                strictness.pass_over(error, &mut contents.defects)?;
             }
         }
     }
@@ -187,24 +177,19 @@ fn member(
 ) -> Result<(String, Array), LabioError> {
     let mut member = archive
         .by_index(index)
-        .map_err(|error| zip_error(error, 0, &format!("member {index}")))?;
+        .map_err(|error| zip_error(error, &format!("member {index}")))?;
     let full_name = member
         .name()
-        .map_err(|error| zip_error(error, 0, &format!("name of member {index}")))?
+        .map_err(|error| zip_error(error, &format!("name of member {index}")))?
         .into_owned();
-    let at = member.header_start();
+    let place = Place::Byte(member.header_start());
     // the compressed data cannot contain more than this, whatever the header announces
     let most_unpacked = usize::try_from(member.compressed_size())
         .unwrap_or(usize::MAX)
         .saturating_mul(OF_A_DEFLATED_BYTE);
     let Some(name) = full_name.strip_suffix(".npy") else {
-        return Err(LabioError::Malformed {
-            format: FORMAT,
-            place: Place::Byte(at),
-            field: format!("member {index}"),
-            found: text::quoted(&full_name),
-            expected: "an array, `.npy`".to_owned(),
-        });
+        let (field, found) = (format!("member {index}"), text::quoted(&full_name));
+        return Err(malformed(FORMAT, place, field, found, "an array, `.npy`"));
     };
     // a member is inflated as far as the header of its array states, whatever the archive states
     let mut bytes = Vec::new();
@@ -212,12 +197,9 @@ fn member(
         (&mut member)
             .take(count)
             .read_to_end(bytes)
-            .map_err(|error| LabioError::Malformed {
-                format: FORMAT,
-                place: Place::Byte(at),
-                field: text::quoted(&full_name),
-                found: error.to_string(),
-                expected: "a member that can be unpacked".to_owned(),
+            .map_err(|error| {
+                let (field, found) = (text::quoted(&full_name), error.to_string());
+                malformed(FORMAT, place, field, found, "a member that can be unpacked")
             })
     };
     unpack(1 << 16, &mut bytes)?;
@@ -227,7 +209,6 @@ fn member(
         .data_length()
         .and_then(|data| data.checked_add(header.data_start))
         .unwrap_or(usize::MAX);
-    let place = Place::Byte(at);
     let there = end.min(most_unpacked);
     budget.take(there, 1, place, &full_name)?;
     if there == end {
@@ -241,18 +222,16 @@ fn member(
     Ok((name.to_owned(), array?))
 }
 
-fn zip_error(error: ZipError, at: u64, field: &str) -> LabioError {
+fn zip_error(error: ZipError, field: &str) -> LabioError {
     match error {
         ZipError::Io(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
             LabioError::Read { source }
         }
-        error => LabioError::Malformed {
-            format: FORMAT,
-            place: Place::Byte(at),
-            field: field.to_owned(),
-            found: text::quoted(&error.to_string()),
-            expected: "a ZIP archive with stored or deflated members".to_owned(),
-        },
+        error => {
+            let found = text::quoted(&error.to_string());
+            let expected = "a ZIP archive with stored or deflated members";
+            malformed(FORMAT, Place::Byte(0), field, found, expected)
+        }
     }
 }
 

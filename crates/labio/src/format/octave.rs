@@ -25,6 +25,7 @@ use crate::format::matlab_array::{self, Array, single};
 use crate::format::reading::{DEEPEST, LONGEST_NAME, Reading};
 use crate::format::text;
 use crate::format::{MemoryLimit, Reader, Strictness};
+use crate::unit::EXACT_INTEGERS;
 use crate::{Contents, LabioError, Ordinate, Place, error};
 
 use numbers::{Numbers, next_number, real, transposed};
@@ -33,9 +34,6 @@ const FORMAT: &str = "octave";
 
 /// Number of bytes at the start of a file within which its first variable begins.
 const HEAD_BYTES: usize = 4096;
-
-/// Integer from which on not every integer is exact in double precision.
-const EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// Text files of Octave; see the [module](self).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -269,12 +267,11 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         } else {
             vec![self.count("rows")?, self.count("columns")?]
         };
-        let axes = shape.iter().filter(|&&length| length > 0);
-        let count = axes.copied().try_fold(1_usize, usize::checked_mul);
-        count.map(|_| shape.clone()).ok_or_else(|| {
-            let found = format!("{shape:?}");
-            self.malformed("shape", &found, "lengths whose product does not overflow")
-        })
+        if matlab_array::is_countable(&shape) {
+            return Ok(shape);
+        }
+        let expected = "lengths whose product does not overflow";
+        Err(self.malformed("shape", &format!("{shape:?}"), expected))
     }
 
     fn numbers(&mut self, name: String, numbers: Numbers) -> Result<(), LabioError> {
@@ -354,7 +351,7 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
             let line = line.trim();
             let mut rest = line;
             while let Some((value, behind)) = next_number(rest, numbers.is_complex) {
-                if numbers.class.ends_with("int64") && value.re.abs() >= EXACT {
+                if numbers.class.ends_with("int64") && value.re.abs() >= EXACT_INTEGERS {
                     break;
                 }
                 if numbers.is_complex {

@@ -41,11 +41,10 @@ use num_complex::Complex64;
 use self::objects::{Object, Objects, Property};
 use self::raw_data::Layout;
 use self::segment::Segment;
+use super::text::axis;
 use super::{Reader, Strictness};
 use crate::error;
-use crate::{
-    Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind, Unit,
-};
+use crate::{Abscissa, Contents, LabioError, Ordinate, Place, Series, SeriesKind};
 
 mod bytes;
 mod numbers;
@@ -92,13 +91,7 @@ impl Reader for Tdms {
 
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
         let mut contents = Contents::of_format(FORMAT);
-        let mut pass_over = |error: LabioError| match strictness {
-            Strictness::Strict => Err(error),
-            Strictness::Tolerant => {
-                contents.defects.push(error);
-                Ok(())
-            }
-        };
+        let mut pass_over = |error: LabioError| strictness.pass_over(error, &mut contents.defects);
         let mut objects = Objects::default();
         if let Err(error) = segments(bytes, &mut objects, &mut pass_over) {
             // the start of the part that follows an unreadable one is unknown
@@ -277,18 +270,6 @@ fn series(channel: &Object, upper: &Upper<'_>) -> Result<Series, LabioError> {
         ),
         properties,
     })
-}
-
-fn axis(label: &str, unit_text: &str) -> SeriesAxis {
-    SeriesAxis {
-        label: label.to_owned(),
-        unit_text: unit_text.to_owned(),
-        unit: if unit_text.is_empty() {
-            None
-        } else {
-            Unit::parse(unit_text).ok()
-        },
-    }
 }
 
 /// Returns the property called `name`, if there is one; it must be a finite number.

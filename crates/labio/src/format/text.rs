@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use memchr::{memchr, memchr_iter};
 use num_complex::Complex64;
 
+use crate::error::malformed;
 use crate::{LabioError, Place, SeriesAxis, Unit};
 
 /// Greatest number of characters of a file that an error quotes.
@@ -45,12 +46,9 @@ pub(crate) fn decode<'a>(
     format: &'static str,
 ) -> Result<(Cow<'a, str>, Encoding), LabioError> {
     let utf16 = |body: &[u8], unit: fn([u8; 2]) -> u16| {
-        let malformed = || LabioError::Malformed {
-            format,
-            place: Place::Byte(0),
-            field: "text".to_owned(),
-            found: "unpaired bytes after a UTF-16 byte-order mark".to_owned(),
-            expected: "UTF-16".to_owned(),
+        let malformed = || {
+            let found = "unpaired bytes after a UTF-16 byte-order mark";
+            malformed(format, Place::Byte(0), "text", found, "UTF-16")
         };
         let (pairs, rest) = body.as_chunks::<2>();
         if !rest.is_empty() {
@@ -291,10 +289,7 @@ pub(crate) fn axis(label: impl Into<String>, unit_text: impl Into<String>) -> Se
 
 /// Returns the unit written as `text`, if it is a known one.
 pub(crate) fn known_unit(text: &str) -> Option<Unit> {
-    if text.is_empty() {
-        return None;
-    }
-    Unit::parse(text).ok()
+    Unit::parse(text).ok().filter(|_| !text.is_empty())
 }
 
 /// Returns half a unit of the last written digit of a finite number: the largest rounding error. A

@@ -87,6 +87,7 @@ use self::header::{BinaryForm, Header, malformed};
 use self::lines::{Line, Lines, decode};
 use self::surroundings::Surroundings;
 use super::{Reader, Strictness, Writer};
+use crate::error::not_representable;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 
 mod ascii_rows;
@@ -382,10 +383,7 @@ impl Writer for Uff58Writer {
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
         // a file without a data set could not be distinguished from a truncated one
         if contents.series.is_empty() {
-            return Err(LabioError::NotRepresentable {
-                format: FORMAT,
-                what: "contents without a data set".to_owned(),
-            });
+            return Err(not_representable(FORMAT, "contents without a data set"));
         }
         let mut bytes = Vec::new();
         for series in &contents.series {

@@ -24,6 +24,7 @@ use std::io::{Cursor, Read as _};
 use calamine::{DataRef, Reader as _, Xlsx as XlsxFile};
 use zip::ZipArchive;
 
+use crate::error::malformed;
 use crate::format::csv::{CsvAbscissa, CsvDialect, CsvOptions, read_with, text_among_numbers};
 use crate::format::memory::Budget;
 use crate::format::{MemoryLimit, Reader, Strictness};
@@ -105,10 +106,10 @@ pub(super) fn read_at(
         let options = CsvOptions::default().with_abscissa(abscissa);
         match read_with(text.as_bytes(), strictness, &options) {
             Ok(table) => tables.push((name, table)),
-            Err(error) if strictness == Strictness::Tolerant => {
-                contents.defects.push(in_worksheet(format, &name, error));
+            Err(error) => {
+                let error = in_worksheet(format, &name, error);
+                strictness.pass_over(error, &mut contents.defects)?;
             }
-            Err(error) => return Err(in_worksheet(format, &name, error)),
         }
     }
     let has_several = tables.len() > 1;
@@ -158,13 +159,8 @@ fn in_worksheet(format: &'static str, name: &str, error: LabioError) -> LabioErr
 }
 
 fn refused(what: &str, error: impl std::fmt::Display) -> LabioError {
-    LabioError::Malformed {
-        format: FORMAT,
-        place: Place::Byte(0),
-        field: what.to_owned(),
-        found: error.to_string(),
-        expected: "a workbook that is not encrypted".to_owned(),
-    }
+    let expected = "a workbook that is not encrypted";
+    malformed(FORMAT, Place::Byte(0), what, error.to_string(), expected)
 }
 
 /// A worksheet as a text table: one line per row, numbers with the fewest digits that read back to
@@ -244,16 +240,19 @@ fn worksheets(bytes: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
         {
             if cell.formula.is_some() && matches!(cell.value, DataRef::Empty) {
                 let (row, column) = cell.pos;
-                return Err(LabioError::Malformed {
-                    format: FORMAT,
-                    place: Place::Cell {
-                        line: u64::from(row) + 1,
-                        column: u64::from(column) + 1,
-                    },
-                    field: format!("worksheet `{name}`: cell"),
-                    found: "a formula without its value".to_owned(),
-                    expected: "a workbook saved by a program that computes its formulas".to_owned(),
-                });
+                let place = Place::Cell {
+                    line: u64::from(row) + 1,
+                    column: u64::from(column) + 1,
+                };
+                let field = format!("worksheet `{name}`: cell");
+                let expected = "a workbook saved by a program that computes its formulas";
+                return Err(malformed(
+                    FORMAT,
+                    place,
+                    field,
+                    "a formula without its value",
+                    expected,
+                ));
             }
             filled.add(cell.pos, &cell.value);
         }

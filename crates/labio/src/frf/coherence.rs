@@ -1,6 +1,7 @@
 //! Ordinary coherence, its bias, its random error, and the level that it reaches by chance.
 
 use super::LineValidity;
+use crate::error::{non_physical, too_few_averages};
 use crate::{AveragedSpectra, LabioError};
 
 /// Ordinary coherence $`\gamma^2 = |G_{xy}|^2/(G_{xx}G_{yy})`$: the share of the output's power
@@ -53,11 +54,7 @@ impl Coherence {
     /// [`LabioError::NonPhysical`] for a probability that is not between 0 and 1.
     pub fn chance_level(&self, probability: f64) -> Result<f64, LabioError> {
         if !(probability > 0.0 && probability < 1.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "probability [-]",
-                value: probability,
-                expected: "between 0 and 1",
-            });
+            return non_physical("probability [-]", probability, "between 0 and 1");
         }
         Ok(chance_level(probability, self.effective_averages))
     }
@@ -116,15 +113,15 @@ impl AveragedSpectra {
         if self.can_have_coherence() {
             Ok(())
         } else {
-            Err(LabioError::TooFewAverages {
+            too_few_averages(
                 estimate,
-                found: if self.n_averages() < 2 {
+                if self.n_averages() < 2 {
                     self.n_averages()
                 } else {
                     1
                 },
-                expected: 2,
-            })
+                2,
+            )
         }
     }
 }

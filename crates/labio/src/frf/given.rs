@@ -3,7 +3,9 @@
 use num_complex::Complex64;
 
 use super::{Estimator, FrequencyResponse, LineValidity};
-use crate::error::{check_count, check_finite, check_positive};
+use crate::error::{
+    check_count, check_finite, check_positive, count_mismatch, non_physical, too_few_averages,
+};
 use crate::{Channel, LabioError, known_part};
 
 /// Fewest lines that a response may have.
@@ -41,11 +43,7 @@ impl FrequencyResponse {
     ) -> Result<Self, LabioError> {
         check_positive("line spacing [Hz]", line_spacing_hz)?;
         if values.len() < FEWEST_LINES {
-            return Err(LabioError::CountMismatch {
-                what: "lines of a frequency response",
-                found: values.len(),
-                expected: FEWEST_LINES,
-            });
+            return count_mismatch("lines of a frequency response", values.len(), FEWEST_LINES);
         }
         check_finite(
             "highest line of a frequency response [Hz]",
@@ -103,11 +101,7 @@ impl FrequencyResponse {
         self.check_lines("lines of the validity", self.validity.len())?;
         self.check_lines("lines of the coherence", coherence.len())?;
         if n_averages < 2 {
-            return Err(LabioError::TooFewAverages {
-                estimate: "a variance from the coherence",
-                found: n_averages,
-                expected: 2,
-            });
+            return too_few_averages("a variance from the coherence", n_averages, 2);
         }
         let mut coherence = coherence;
         let mut variance = vec![f64::NAN; coherence.len()];
@@ -118,11 +112,7 @@ impl FrequencyResponse {
                 continue;
             }
             if !(*c > 0.0 && *c <= 1.0) {
-                return Err(LabioError::NonPhysical {
-                    quantity: "coherence [-]",
-                    value: *c,
-                    expected: "a number above 0 and at most 1",
-                });
+                return non_physical("coherence [-]", *c, "a number above 0 and at most 1");
             }
             *slot = check_finite(
                 "variance of a line",
@@ -154,11 +144,7 @@ impl FrequencyResponse {
             if *validity != LineValidity::Valid {
                 *value = f64::NAN;
             } else if !(value.is_finite() && *value >= 0.0) {
-                return Err(LabioError::NonPhysical {
-                    quantity: "variance of a line",
-                    value: *value,
-                    expected: "a finite value, not negative",
-                });
+                return non_physical("variance of a line", *value, "a finite value, not negative");
             }
         }
         self.variance = Some(variance);
@@ -180,11 +166,7 @@ impl FrequencyResponse {
     pub fn with_known_variance(self, known: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the variance", known.len())?;
         let Some(random) = self.variance.clone() else {
-            return Err(LabioError::TooFewAverages {
-                estimate: "the addition of a known variance",
-                found: self.n_averages,
-                expected: 2,
-            });
+            return too_few_averages("the addition of a known variance", self.n_averages, 2);
         };
         let sum: Vec<f64> = random.iter().zip(known).map(|(r, k)| r + k).collect();
         let effective = self.degrees_of_freedom.as_ref().map(|freedom| {
@@ -209,11 +191,7 @@ impl FrequencyResponse {
     pub fn with_degrees_of_freedom(mut self, freedom: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the degrees of freedom", freedom.len())?;
         if self.variance.is_none() {
-            return Err(LabioError::TooFewAverages {
-                estimate: "a variance with degrees of freedom",
-                found: self.n_averages,
-                expected: 2,
-            });
+            return too_few_averages("a variance with degrees of freedom", self.n_averages, 2);
         }
         let lines = freedom.iter().zip(&self.validity);
         let line = |(freedom, validity): (&f64, &LineValidity)| {
@@ -222,11 +200,7 @@ impl FrequencyResponse {
             } else if *freedom > 0.0 {
                 Ok(*freedom)
             } else {
-                Err(LabioError::NonPhysical {
-                    quantity: "degrees of freedom of a line",
-                    value: *freedom,
-                    expected: "a number above 0",
-                })
+                non_physical("degrees of freedom of a line", *freedom, "a number above 0")
             }
         };
         self.degrees_of_freedom = Some(lines.map(line).collect::<Result<_, _>>()?);
@@ -249,11 +223,11 @@ impl FrequencyResponse {
             } else if error.is_finite() && *error >= 0.0 {
                 Ok(*error)
             } else {
-                Err(LabioError::NonPhysical {
-                    quantity: "relative standard uncertainty of a line",
-                    value: *error,
-                    expected: "a finite value, not negative",
-                })
+                non_physical(
+                    "relative standard uncertainty of a line",
+                    *error,
+                    "a finite value, not negative",
+                )
             }
         };
         self.common_error = Some(lines.map(line).collect::<Result<_, _>>()?);
@@ -268,11 +242,11 @@ impl FrequencyResponse {
     /// [`LabioError::NonPhysical`] for an uncertainty that is negative or not finite.
     pub fn with_common_error(mut self, relative: f64) -> Result<Self, LabioError> {
         if !(relative.is_finite() && relative >= 0.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "relative standard uncertainty of all lines",
-                value: relative,
-                expected: "a finite value, not negative",
-            });
+            return non_physical(
+                "relative standard uncertainty of all lines",
+                relative,
+                "a finite value, not negative",
+            );
         }
         if relative > 0.0 {
             let n_lines = self.values.len();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::check_positive;
+use crate::error::{check_positive, too_few_samples};
 use crate::{AddedDamping, LabioError};
 
 /// Limits of the checks, each with a default and the reason for it. `None` disables a check.
@@ -266,11 +266,7 @@ fn checked(quantity: &'static str, limit: Option<f64>) -> Result<Option<f64>, La
 
 fn counted(what: &'static str, limit: Option<usize>) -> Result<Option<usize>, LabioError> {
     match limit {
-        Some(found) if found < 2 => Err(LabioError::TooFewSamples {
-            what,
-            found,
-            expected: 2,
-        }),
+        Some(found) if found < 2 => too_few_samples(what, found, 2),
         limit => Ok(limit),
     }
 }

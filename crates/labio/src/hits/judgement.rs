@@ -5,6 +5,7 @@ use super::rest::{
     BEYOND_NOISE, HIT_OVER_PEAK, LEAST_REST, PASSAGE_OVER_PEAK, Rest, mean_of_blocks, onset_of,
 };
 use super::{Criteria, Reason};
+use crate::error::count_mismatch;
 use crate::quantization::{are_multiples, smallest_step};
 use crate::spectra::ending::{End, Ending};
 use crate::{LabioError, Quantity, Record};
@@ -52,11 +53,11 @@ impl Criteria {
         };
         let onset = match onset {
             Some(onset) if onset > hit.n_samples() => {
-                return Err(LabioError::CountMismatch {
-                    what: "sample of the onset of a hit, at most",
-                    found: onset,
-                    expected: hit.n_samples(),
-                });
+                return count_mismatch(
+                    "sample of the onset of a hit, at most",
+                    onset,
+                    hit.n_samples(),
+                );
             }
             Some(onset) => onset,
             None => onset_of(&trigger_samples, part_of_peak),

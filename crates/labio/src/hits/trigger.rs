@@ -1,7 +1,9 @@
 //! The trigger, which finds the start of a hit.
 
 use crate::LabioError;
-use crate::error::{check_finite, check_not_negative, check_positive};
+use crate::error::{
+    check_finite, check_not_negative, check_positive, non_physical, too_few_samples,
+};
 
 /// Direction in which the signal crosses the level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -48,11 +50,11 @@ impl Extent {
                     )]
                     Ok(samples as usize)
                 } else {
-                    Err(LabioError::NonPhysical {
-                        quantity: "time of an extent [s]",
-                        value: time,
-                        expected: "a time of fewer than 9e15 samples",
-                    })
+                    non_physical(
+                        "time of an extent [s]",
+                        time,
+                        "a time of fewer than 9e15 samples",
+                    )
                 }
             }
         }
@@ -158,11 +160,11 @@ impl Trigger {
         let length = self.length.samples(sampling_rate_hz)?;
         let before = self.pre_trigger.samples(sampling_rate_hz)?;
         if length < 2 || length <= before {
-            return Err(LabioError::TooFewSamples {
-                what: "the hit cut by the trigger",
-                found: length,
-                expected: before.saturating_add(1).max(2),
-            });
+            return too_few_samples(
+                "the hit cut by the trigger",
+                length,
+                before.saturating_add(1).max(2),
+            );
         }
         let hold_off = match self.hold_off {
             None => length - before,

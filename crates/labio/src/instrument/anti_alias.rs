@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::LabioError;
-use crate::error::check_positive;
+use crate::error::{check_positive, non_physical};
 
 /// Highest order accepted, higher than that of any real filter.
 const HIGHEST_ORDER: u32 = 20;
@@ -53,11 +53,11 @@ impl AntiAlias {
     fn new(kind: Kind, order: u32, cutoff_hz: f64) -> Result<Self, LabioError> {
         check_positive("cut-off frequency [Hz]", cutoff_hz)?;
         if !(1..=HIGHEST_ORDER).contains(&order) {
-            return Err(LabioError::NonPhysical {
-                quantity: "order of the anti-alias filter",
-                value: order.into(),
-                expected: "a number from 1 to 20",
-            });
+            return non_physical(
+                "order of the anti-alias filter",
+                order.into(),
+                "a number from 1 to 20",
+            );
         }
         let scale = match kind {
             Kind::Butterworth => 1.0,

@@ -4,7 +4,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardUniform};
 
 use crate::LabioError;
-use crate::error::check_positive;
+use crate::error::{check_positive, non_physical};
 
 /// A converter of $`b`$ bits with the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers
 /// $`-2^{b-1} \ldots 2^{b-1}-1`$, rounded to the nearest.
@@ -30,11 +30,11 @@ impl Converter {
     pub fn new(bits: u32, range: f64) -> Result<Self, LabioError> {
         check_positive("range of the converter", range)?;
         if !(1..=32).contains(&bits) {
-            return Err(LabioError::NonPhysical {
-                quantity: "bits of the converter",
-                value: bits.into(),
-                expected: "a number from 1 to 32",
-            });
+            return non_physical(
+                "bits of the converter",
+                bits.into(),
+                "a number from 1 to 32",
+            );
         }
         let converter = Self {
             bits,
@@ -44,11 +44,11 @@ impl Converter {
         if converter.step().is_normal() {
             Ok(converter)
         } else {
-            Err(LabioError::NonPhysical {
-                quantity: "range of the converter",
-                value: range,
-                expected: "a range whose step is within the range of numbers",
-            })
+            non_physical(
+                "range of the converter",
+                range,
+                "a range whose step is within the range of numbers",
+            )
         }
     }
 

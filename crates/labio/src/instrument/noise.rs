@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::LabioError;
 use crate::dft;
-use crate::error::{check_enough_samples, check_not_negative, check_positive};
+use crate::error::{check_enough_samples, check_not_negative, check_positive, non_physical};
 
 /// One-sided power spectral density of noise \[unit²/Hz\], in the unit of the channel at the stage
 /// where the noise is added.
@@ -55,11 +55,7 @@ impl NoiseSpectrum {
         check_positive("reference frequency of the noise [Hz]", at_hz)?;
         check_positive("lower corner of the noise [Hz]", flat_below_hz)?;
         if !(-4.0..=4.0).contains(&exponent) {
-            return Err(LabioError::NonPhysical {
-                quantity: "exponent of the noise",
-                value: exponent,
-                expected: "a value from -4 to 4",
-            });
+            return non_physical("exponent of the noise", exponent, "a value from -4 to 4");
         }
         Ok(Self(Shape::PowerLaw {
             density,
@@ -84,11 +80,11 @@ impl NoiseSpectrum {
             check_positive("tabulated noise density [unit^2/Hz]", *density)?;
             check_positive("tabulated frequency of noise [Hz]", *frequency_hz)?;
             if *frequency_hz <= last {
-                return Err(LabioError::NonPhysical {
-                    quantity: "tabulated frequency of noise [Hz]",
-                    value: *frequency_hz,
-                    expected: "a value above the previous one",
-                });
+                return non_physical(
+                    "tabulated frequency of noise [Hz]",
+                    *frequency_hz,
+                    "a value above the previous one",
+                );
             }
             last = *frequency_hz;
         }

@@ -6,6 +6,7 @@ use rand_distr::StandardNormal;
 
 use super::check_count;
 use crate::LabioError;
+use crate::error::non_physical;
 
 /// Adds a drawn error $`e`$ to each of the `values` on neighbouring lines, with
 /// $`\mathrm{E}|e|^2`$ from `mean_squares`, in the square of the unit of the values. The errors
@@ -39,11 +40,7 @@ pub fn add_random_errors(
 ) -> Result<(), LabioError> {
     check_count("mean squares of errors", mean_squares.len(), values.len())?;
     if let Some(negative) = mean_squares.iter().find(|square| **square < 0.0) {
-        return Err(LabioError::NonPhysical {
-            quantity: "mean square of an error",
-            value: *negative,
-            expected: "0 or more",
-        });
+        return non_physical("mean square of an error", *negative, "0 or more");
     }
     let mut normal = || -> f64 { random.sample(StandardNormal) };
     let mut independent = || Complex64::new(normal(), normal());

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::error::check_positive;
+use crate::error::{check_enough_samples, check_positive, too_few_samples};
 use crate::hits::Extent;
 use crate::{LabioError, LevelAtRest, Record};
 
@@ -80,24 +80,12 @@ impl Pulse {
     ) -> Result<Self, LabioError> {
         let rate_hz = record.sampling_rate_hz();
         let samples = record.channel(channel)?.to_vec();
-        let too_few = |what, found, expected| LabioError::TooFewSamples {
-            what,
-            found,
-            expected,
-        };
-        if n_silent >= samples.len() {
-            let what = "the record of a pulse after a silence";
-            let expected = n_silent.saturating_add(1);
-            return Err(too_few(what, samples.len(), expected));
-        }
+        let what = "the record of a pulse after a silence";
+        check_enough_samples(what, samples.len(), n_silent.saturating_add(1))?;
         let rest = samples.iter().copied().take(n_silent / 2);
         let rest = LevelAtRest::of(rest).filter(|_| n_silent >= FEWEST_SILENT);
         let Some(LevelAtRest { level, noise, .. }) = rest else {
-            return Err(too_few(
-                "the silence before a pulse",
-                n_silent,
-                FEWEST_SILENT,
-            ));
+            return too_few_samples("the silence before a pulse", n_silent, FEWEST_SILENT);
         };
         let history: Vec<f64> = samples.iter().map(|x| x - level).collect();
         let peak = history.iter().fold(0.0_f64, |most, x| most.max(x.abs()));

@@ -1,6 +1,7 @@
 //! Degrees of freedom of an estimated variance.
 
 use crate::LabioError;
+use crate::error::non_physical;
 
 /// Degrees of freedom of the estimated variance of one line.
 ///
@@ -35,11 +36,11 @@ pub(super) fn check_averages(averages: f64) -> Result<f64, LabioError> {
     if averages.is_finite() && averages >= 2.0 {
         Ok(averages)
     } else {
-        Err(LabioError::NonPhysical {
-            quantity: "number of averages",
-            value: averages,
-            expected: "at least 2: the coherence of a single average is always 1",
-        })
+        non_physical(
+            "number of averages",
+            averages,
+            "at least 2: the coherence of a single average is always 1",
+        )
     }
 }
 

@@ -26,7 +26,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::freedom::DegreesOfFreedom;
 use crate::LabioError;
-use crate::error::check_count;
+use crate::error::{check_count, non_physical};
 
 /// Number of degrees of freedom required of a pooled variance.
 const ENOUGH: f64 = 40.0;
@@ -84,11 +84,7 @@ impl AveragedVariance<'_> {
         check_count("powers of the denominator", powers, count)?;
         let repeated = self.lines_per_independent_line;
         if !(repeated.is_finite() && repeated >= 1.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "lines per independent line",
-                value: repeated,
-                expected: "1 or more",
-            });
+            return non_physical("lines per independent line", repeated, "1 or more");
         }
         let alone = DegreesOfFreedom {
             own: alone.own / repeated,

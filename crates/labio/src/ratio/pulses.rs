@@ -7,7 +7,7 @@ use ndarray::Array2;
 
 use super::ResponseRatio;
 use super::one_shot::{self, ChannelAtRest};
-use crate::error::check_count;
+use crate::error::{check_count, check_enough_samples, check_finite, check_positive, non_physical};
 use crate::{
     AveragedSpectra, Channel, LabioError, LevelAtRest, Record, RestNoise, Window, known_part,
 };
@@ -31,20 +31,9 @@ pub struct PulseWindow {
 impl PulseWindow {
     /// Accepts a window of three samples or more that ends within `hit`.
     pub(super) fn check(&self, hit: &Record) -> Result<(), LabioError> {
-        let (what, found, expected) = if self.samples.len() < FEWEST_SAMPLES {
-            let what = "the window of a pulse";
-            (what, self.samples.len(), FEWEST_SAMPLES)
-        } else if self.samples.end >= hit.n_samples() {
-            let what = "the hit that contains the pulse";
-            (what, hit.n_samples(), self.samples.end + 1)
-        } else {
-            return Ok(());
-        };
-        Err(LabioError::TooFewSamples {
-            what,
-            found,
-            expected,
-        })
+        check_enough_samples("the window of a pulse", self.samples.len(), FEWEST_SAMPLES)?;
+        let at_least = self.samples.end.saturating_add(1);
+        check_enough_samples("the hit that contains the pulse", hit.n_samples(), at_least)
     }
 }
 
@@ -70,32 +59,18 @@ pub fn noise_of_cut_pulse(
     edges: [f64; 2],
     frequency_hz: &[f64],
 ) -> Result<Vec<f64>, LabioError> {
-    let check = |quantity, value: f64, is_right: bool, expected| {
-        if value.is_finite() && is_right {
-            Ok(value)
-        } else {
-            Err(LabioError::NonPhysical {
-                quantity,
-                value,
-                expected,
-            })
-        }
+    let check = |noise: f64| match noise.is_finite() && noise >= 0.0 {
+        true => Ok(noise),
+        false => non_physical("noise of a spectrum", noise, "a finite value, 0 or above"),
     };
-    let not_negative = "a finite value, 0 or above";
-    check("noise of a spectrum", noise, noise >= 0.0, not_negative)?;
+    check(noise)?;
     for edge in edges {
-        check(
-            "value of the record at the edge of a window",
-            edge,
-            true,
-            "a finite value",
-        )?;
+        check_finite("value of the record at the edge of a window", edge)?;
     }
     let cut = edges[0].hypot(edges[1]);
     let at = |f: &f64| {
-        check("frequency [Hz]", *f, *f > 0.0, "a finite value above 0")?;
-        let noise = noise.hypot(cut / (TAU * f));
-        check("noise of a spectrum", noise, true, not_negative)
+        check_positive("frequency [Hz]", *f)?;
+        check(noise.hypot(cut / (TAU * f)))
     };
     frequency_hz.iter().map(at).collect()
 }

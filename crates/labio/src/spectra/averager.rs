@@ -6,7 +6,7 @@ use super::ending::{Completion, Ending, tail_length};
 use super::{AveragedSpectra, AveragedTails, Detrend};
 use crate::channel::{self, Channel};
 use crate::dft::Dft;
-use crate::error::{check_count, check_positive};
+use crate::error::{check_count, check_positive, count_mismatch, non_physical, too_few_averages};
 use crate::window::check_length;
 use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 
@@ -110,11 +110,7 @@ impl SpectrumAverager {
         let (weights, gains) = weigh(window, n_samples)?;
         let n_channels = channels.len();
         if n_channels == 0 {
-            return Err(LabioError::CountMismatch {
-                what: "channels to average",
-                found: 0,
-                expected: 1,
-            });
+            return count_mismatch("channels to average", 0, 1);
         }
         let n_lines = n_samples / 2 + 1;
         let n_pairs = n_channels * (n_channels - 1) / 2;
@@ -516,20 +512,16 @@ impl Averaged<'_> {
         effective_averages: f64,
     ) -> Result<AveragedSpectra, LabioError> {
         if self.n_averages == 0 {
-            return Err(LabioError::TooFewAverages {
-                estimate: "an averaged spectrum",
-                found: 0,
-                expected: 1,
-            });
+            return too_few_averages("an averaged spectrum", 0, 1);
         }
         let time_step = 1.0 / self.sampling_rate_hz;
         let two_sided = time_step * time_step / (self.gains.power * self.n_averages as f64);
         if !two_sided.is_normal() {
-            return Err(LabioError::NonPhysical {
-                quantity: "sampling rate [Hz]",
-                value: self.sampling_rate_hz,
-                expected: "a rate whose square is within the range of numbers",
-            });
+            return non_physical(
+                "sampling rate [Hz]",
+                self.sampling_rate_hz,
+                "a rate whose square is within the range of numbers",
+            );
         }
         let n_samples = self.n_samples;
         let scale = |line: usize| {

@@ -2,7 +2,7 @@
 
 use super::averager::check_same_rate;
 use super::{Detrend, Welch};
-use crate::error::check_enough_samples;
+use crate::error::{check_enough_samples, too_few_averages};
 use crate::quantization::step_above_noise;
 use crate::{LabioError, Record, channel};
 use std::f64::consts::PI;
@@ -60,11 +60,7 @@ impl RestNoise {
     pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
         check_enough_samples("the silence before a hit", n_silent, Self::FEWEST_SAMPLES)?;
         let Some(first) = hits.first() else {
-            return Err(LabioError::TooFewAverages {
-                estimate: "the noise before hits",
-                found: 0,
-                expected: 1,
-            });
+            return too_few_averages("the noise before hits", 0, 1);
         };
         let segment = n_silent.min(LONGEST_SEGMENT);
         let welch = Welch::new(segment)?.with_detrend(Detrend::Mean);

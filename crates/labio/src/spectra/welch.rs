@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use super::{AveragedSpectra, Detrend, SpectrumAverager};
 use crate::channel::Channel;
-use crate::error::check_enough_samples;
+use crate::error::{check_enough_samples, count_mismatch, non_finite_sample, too_few_averages};
 use crate::stream::read_next;
 use crate::{BlockSource, LabioError, Record, Window};
 
@@ -72,11 +72,7 @@ impl Welch {
     pub fn with_overlap(self, n_overlap: usize) -> Result<Self, LabioError> {
         let most = self.n_samples - self.n_samples.div_ceil(MOST_SEGMENTS_OF_A_SAMPLE);
         if n_overlap > most {
-            return Err(LabioError::CountMismatch {
-                what: "samples of overlap, at most",
-                found: n_overlap,
-                expected: most,
-            });
+            return count_mismatch("samples of overlap, at most", n_overlap, most);
         }
         Ok(Self { n_overlap, ..self })
     }
@@ -119,16 +115,11 @@ impl Welch {
     /// [`LabioError::SamplingRateMismatch`] for a record that differs from the first.
     pub fn spectra_of(&self, records: &[&Record]) -> Result<AveragedSpectra, LabioError> {
         let Some(first) = records.first() else {
-            return Err(LabioError::TooFewAverages {
-                estimate: "an averaged spectrum",
-                found: 0,
-                expected: 1,
-            });
+            return too_few_averages("an averaged spectrum", 0, 1);
         };
         // checked before memory is allocated for a segment
-        let mut lengths = records.iter().map(|record| record.n_samples());
-        if let Some(short) = lengths.find(|length| *length < self.n_samples) {
-            return Err(self.too_short(short));
+        for record in records {
+            self.check_long_enough(record.n_samples())?;
         }
         let mut averager = self.averager(first.channels(), first.sampling_rate_hz())?;
         let window = self.window.sample(self.n_samples)?;
@@ -208,11 +199,7 @@ impl Welch {
                 held.extend(row.iter().take(n_new));
                 let mut new = held.iter().skip(n_before).enumerate();
                 if let Some((position, value)) = new.find(|(_, sample)| !sample.is_finite()) {
-                    return Err(LabioError::NonFiniteSample {
-                        channel: channel.name().to_owned(),
-                        index: n_read + position,
-                        value: *value,
-                    });
+                    return non_finite_sample(channel.name().to_owned(), n_read + position, *value);
                 }
             }
             n_read += n_new;
@@ -245,18 +232,15 @@ impl Welch {
     ) -> Result<AveragedSpectra, LabioError> {
         let n_segments = averager.n_averages();
         if n_segments == 0 {
-            return Err(self.too_short(n_available));
+            self.check_long_enough(n_available)?;
         }
         let window = self.window.sample(self.n_samples)?;
         averager.into_averages(window.independent_averages(n_segments, self.hop())?)
     }
 
-    fn too_short(&self, n_available: usize) -> LabioError {
-        LabioError::TooFewSamples {
-            what: "the record to be cut into segments",
-            found: n_available,
-            expected: self.n_samples,
-        }
+    fn check_long_enough(&self, n_available: usize) -> Result<(), LabioError> {
+        let what = "the record to be cut into segments";
+        check_enough_samples(what, n_available, self.n_samples)
     }
 }
 

@@ -10,7 +10,7 @@ pub(super) struct Ratio {
 }
 
 /// Limit below which every integer is exact as `f64`, and so is every product of integers.
-const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
+pub(crate) const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
 impl Ratio {
     pub(super) const ONE: Self = Self::of(1.0, 1.0);

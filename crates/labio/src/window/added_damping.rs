@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::LabioError;
-use crate::error::check_positive;
+use crate::error::{check_positive, non_physical};
 
 /// The exponential window $`e^{-\sigma t}`$ on *all* channels of a hit, for bodies that ring longer
 /// than the record.
@@ -61,11 +61,11 @@ impl AddedDamping {
     /// above 0.
     pub fn to_end_weight(end_weight: f64, duration: f64) -> Result<Self, LabioError> {
         if !(end_weight > 0.0 && end_weight < 1.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "end weight of the exponential window [-]",
-                value: end_weight,
-                expected: "a weight between 0 and 1",
-            });
+            return non_physical(
+                "end weight of the exponential window [-]",
+                end_weight,
+                "a weight between 0 and 1",
+            );
         }
         check_positive("duration of the exponential window [s]", duration)?;
         Self::new(-end_weight.ln() / duration)
@@ -127,11 +127,7 @@ impl AddedDamping {
         } = apparent;
         check_positive("natural frequency [rad/s]", natural_omega)?;
         if !(damping_ratio > -1.0 && damping_ratio < 1.0) {
-            return Err(LabioError::NonPhysical {
-                quantity: "damping ratio [-]",
-                value: damping_ratio,
-                expected: "between -1 and 1",
-            });
+            return non_physical("damping ratio [-]", damping_ratio, "between -1 and 1");
         }
         let damped_omega = natural_omega * (1.0 - damping_ratio * damping_ratio).sqrt();
         let pole =

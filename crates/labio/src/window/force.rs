@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::LabioError;
-use crate::error::check_positive;
+use crate::error::{check_positive, non_physical};
 
 /// The force window: weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper`
 /// before and after; 0 elsewhere.
@@ -34,31 +34,16 @@ impl ForceWindow {
     /// [`LabioError::NonPhysical`] if a time is not finite, `end` is not after `start`, or `taper`
     /// is negative.
     pub fn new(start: f64, end: f64, taper: f64) -> Result<Self, LabioError> {
-        let refuse = |quantity, value, expected| LabioError::NonPhysical {
-            quantity,
-            value,
-            expected,
-        };
         if !start.is_finite() {
-            return Err(refuse(
-                "start of the force window [s]",
-                start,
-                "a finite time",
-            ));
+            return non_physical("start of the force window [s]", start, "a finite time");
         }
         if !(end.is_finite() && end > start) {
-            return Err(refuse(
-                "end of the force window [s]",
-                end,
-                "a finite time after its start",
-            ));
+            let expected = "a finite time after its start";
+            return non_physical("end of the force window [s]", end, expected);
         }
         if !(taper.is_finite() && taper >= 0.0) {
-            return Err(refuse(
-                "taper of the force window [s]",
-                taper,
-                "a finite time, not negative",
-            ));
+            let expected = "a finite time, not negative";
+            return non_physical("taper of the force window [s]", taper, expected);
         }
         Ok(Self { start, end, taper })
     }

@@ -5,7 +5,7 @@ use super::header::Header;
 use super::settings::Clock;
 use super::table::Table;
 use super::{CsvAbscissa, malformed};
-use crate::error::check_positive;
+use crate::error::{check_positive, count_mismatch};
 use crate::format::Strictness;
 use crate::format::kind::kind_of_name;
 use crate::format::rounding::{Written, WrittenValues};
@@ -23,7 +23,7 @@ pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
 const DIFFERENT_STEP: f64 = 1e-3;
 
 /// Choice of the abscissa column, made before the numbers are read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Choice {
     pub(super) column: Option<usize>,
     /// True for the first column of a table without headings: it is the abscissa only if its values
@@ -45,35 +45,26 @@ impl Choice {
         wish: CsvAbscissa,
         n_columns: usize,
     ) -> Result<Self, LabioError> {
-        let mut choice = Self {
-            column: None,
-            tentative: false,
-            is_stated: false,
-            step: None,
-            clock: None,
-            rate_hz: None,
-            marker: None,
-        };
+        let mut choice = Self::default();
         match wish {
             CsvAbscissa::Index => return Ok(choice),
             CsvAbscissa::Column(column) => {
                 if column == 0 || column > n_columns {
-                    return Err(LabioError::CountMismatch {
-                        what: "column of the abscissa, from 1 to the number of columns",
-                        found: column,
-                        expected: n_columns,
-                    });
+                    return count_mismatch(
+                        "column of the abscissa, from 1 to the number of columns",
+                        column,
+                        n_columns,
+                    );
                 }
                 choice.column = Some(column - 1);
                 choice.is_stated = true;
                 return Ok(choice);
             }
             CsvAbscissa::Step(step) => choice.step = Some(step),
-            CsvAbscissa::ByContent | CsvAbscissa::Rate(_) => {
-                if let CsvAbscissa::Rate(rate_hz) = wish {
-                    choice.rate_hz = Some(check_positive("sampling rate [Hz]", rate_hz)?);
-                }
+            CsvAbscissa::Rate(rate_hz) => {
+                choice.rate_hz = Some(check_positive("sampling rate [Hz]", rate_hz)?);
             }
+            CsvAbscissa::ByContent => {}
         }
         let columns = &header.columns;
         let first = |test: fn(&str, &str) -> bool| {
@@ -147,10 +138,7 @@ pub(super) fn assemble(
     if let (Some(column), false) = (column, choice.is_stated || choice.marker.is_some())
         && let Some(error) = other_times(&table, column, &axis)
     {
-        if strictness == Strictness::Strict {
-            return Err(error);
-        }
-        contents.defects.push(error);
+        strictness.pass_over(error, &mut contents.defects)?;
     }
     if column.is_none() {
         abscissa_axis = match &choice.clock {
@@ -168,32 +156,21 @@ pub(super) fn assemble(
             Abscissa::Uneven(values) => match values.get(..ordinate.len()) {
                 Some(values) => Abscissa::Uneven(values.to_vec()),
                 None => {
-                    return Err(malformed(
-                        place,
-                        "abscissa",
-                        &format!("{} values", values.len()),
-                        &format!("the {} of column {}", ordinate.len(), at + 1),
-                    ));
+                    let found = format!("{} values", values.len());
+                    let expected = format!("the {} of column {}", ordinate.len(), at + 1);
+                    return Err(malformed(place, "abscissa", &found, &expected));
                 }
             },
             even => even.clone(),
         };
-        let SeriesAxis {
-            label: name,
-            unit_text,
-            unit,
-        } = axis(at);
+        let mut ordinate_axis = axis(at);
         let mut series = Series {
-            name,
+            name: std::mem::take(&mut ordinate_axis.label),
             kind,
             abscissa,
             ordinate,
             abscissa_axis: abscissa_axis.clone(),
-            ordinate_axis: SeriesAxis {
-                label: String::new(),
-                unit_text,
-                unit,
-            },
+            ordinate_axis,
             properties: Vec::new(),
         };
         for (key, value) in header.of_columns.get(&(at + 1)).into_iter().flatten() {
@@ -272,18 +249,17 @@ fn spacing(
         return Ok(None);
     };
     let off = |found: String, expected: &str| Err(malformed(place, "abscissa", &found, expected));
+    let even = |start: f64, step: f64| Ok(Some(Abscissa::Even { start, step }));
     match choice.marker {
         Some(Marker::Uneven) => return Ok(Some(Abscissa::Uneven(digits.values.clone()))),
         Some(Marker::Even { start, step }) => {
             return match digits.first_not_exactly(start, step) {
-                None => Ok(Some(Abscissa::Even { start, step })),
-                Some(row) => off(
-                    format!(
-                        "a value other than that of start and step in row {}",
-                        row + 1
-                    ),
-                    "the abscissa stated in the header",
-                ),
+                None => even(start, step),
+                Some(row) => {
+                    let row = row + 1;
+                    let found = format!("a value other than that of start and step in row {row}");
+                    off(found, "the abscissa stated in the header")
+                }
             };
         }
         None => {}
@@ -294,10 +270,7 @@ fn spacing(
             return Err(off_step(digits, row, start.value, 1.0, place));
         }
         *axis = text::axis("time", clock.unit.as_str());
-        return Ok(Some(Abscissa::Even {
-            start: clock.start + start.value * clock.step,
-            step: clock.step,
-        }));
+        return even(clock.start + start.value * clock.step, clock.step);
     }
     let first_off = |step: f64| {
         // numbers may have been rounded before they were printed with more digits
@@ -309,15 +282,12 @@ fn spacing(
     };
     if let Some(step) = choice.step {
         return match first_off(step) {
-            None => Ok(Some(Abscissa::Even {
-                start: start.value,
-                step,
-            })),
+            None => even(start.value, step),
             Some(row) => Err(off_step(digits, row, start.value, step, place)),
         };
     }
-    let even = digits.even_spacing();
-    if let Some((start, step)) = even {
+    let spacing = digits.even_spacing();
+    if let Some((start, step)) = spacing {
         let known = step.half_unit <= ROUNDED_STEP_TOLERANCE * step.value.abs();
         if known || digits.is_even(start, step.value) {
             let increasing = step.value > 0.0 || !choice.tentative;
@@ -340,10 +310,7 @@ fn spacing(
                 if told.is_none() {
                     *axis = text::axis(std::mem::take(&mut axis.label), "s");
                 }
-                return Ok(Some(Abscissa::Even {
-                    start: start.value,
-                    step,
-                }));
+                return even(start.value, step);
             }
             Some(row) if told.is_some() => {
                 return Err(off_step(digits, row, start.value, step, place));
@@ -359,26 +326,16 @@ fn spacing(
         .values
         .windows(2)
         .any(|pair| matches!(pair, [a, b] if a.to_bits() == b.to_bits()));
-    if let (Some((start, step)), true) = (even, repeats) {
-        let error = malformed(
-            place,
-            "abscissa",
-            &format!(
-                "repeated values; their digits give the step {:e} to within {:.1e}",
-                step.value, step.half_unit
-            ),
-            &format!(
-                "a step known to within a relative {ROUNDED_STEP_TOLERANCE}, or a stated step"
-            ),
+    if let (Some((start, step)), true) = (spacing, repeats) {
+        let found = format!(
+            "repeated values; their digits give the step {:e} to within {:.1e}",
+            step.value, step.half_unit
         );
-        if strictness == Strictness::Strict {
-            return Err(error);
-        }
-        defects.push(error);
-        return Ok(Some(Abscissa::Even {
-            start,
-            step: step.value,
-        }));
+        let expected =
+            format!("a step known to within a relative {ROUNDED_STEP_TOLERANCE}, or a stated step");
+        let error = malformed(place, "abscissa", &found, &expected);
+        strictness.pass_over(error, defects)?;
+        return even(start, step.value);
     }
     Ok(Some(Abscissa::Uneven(digits.values.clone())))
 }

@@ -3,7 +3,7 @@
 use super::{CsvAbscissa, CsvOptions, abscissa, header, opened, table};
 use crate::format::Strictness;
 use crate::format::text;
-use crate::{LabioError, Ordinate, SeriesAxis, Unit};
+use crate::{LabioError, Ordinate, Unit};
 
 /// Columns of a text table as written, without an abscissa: for example frequencies that repeat for
 /// each temperature.
@@ -87,15 +87,11 @@ pub fn read_columns(
     )?;
     let of_column = |(at, values): (usize, Ordinate)| {
         let (label, unit_text) = header.columns.get(at).cloned().unwrap_or_default();
-        let SeriesAxis {
-            label: name,
-            unit_text,
-            unit,
-        } = text::axis(label, unit_text);
+        let axis = text::axis(label, unit_text);
         TableColumn {
-            name,
-            unit_text,
-            unit,
+            name: axis.label,
+            unit_text: axis.unit_text,
+            unit: axis.unit,
             values,
         }
     };

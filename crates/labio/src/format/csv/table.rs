@@ -107,17 +107,13 @@ struct Defects<'a> {
 
 impl Defects<'_> {
     fn add(&mut self, line: u64, error: LabioError) -> Result<(), LabioError> {
-        if self.strictness == Strictness::Strict {
-            return Err(error);
+        if self.strictness == Strictness::Strict || self.list.len() < DEFECTS_LISTED {
+            return self.strictness.pass_over(error, self.list);
         }
-        if self.list.len() < DEFECTS_LISTED {
-            self.list.push(error);
-        } else {
-            if self.further.0 == 0 {
-                self.further.1 = line;
-            }
-            self.further.0 += 1;
+        if self.further.0 == 0 {
+            self.further.1 = line;
         }
+        self.further.0 += 1;
         Ok(())
     }
 
@@ -185,10 +181,8 @@ pub(super) fn read(
         }
         if read.iter().all(Option::is_none) {
             let expected = format!("a row of {} numbers", shape.columns.len());
-            defects.add(
-                line,
-                malformed(Place::Line(line), "row", &text::quoted(row), &expected),
-            )?;
+            let error = malformed(Place::Line(line), "row", &text::quoted(row), &expected);
+            defects.add(line, error)?;
             continue;
         }
         for (((column, values), read), &at) in table
@@ -220,13 +214,11 @@ pub(super) fn read(
                     }
                 }
             }
+            let wrong = |field, expected| malformed(place, field, &text::quoted(text), expected);
             let value = match *read {
                 Some(value) => value,
                 None => {
-                    defects.add(
-                        line,
-                        malformed(place, "cell", &text::quoted(text), "a number"),
-                    )?;
+                    defects.add(line, wrong("cell", "a number"))?;
                     Value::Real(f64::NAN)
                 }
             };
@@ -236,20 +228,10 @@ pub(super) fn read(
                     Value::Complex(number) if number.im == 0.0 => {
                         (number.re, text::real_part(text).unwrap_or(text))
                     }
-                    Value::Complex(_) => {
-                        return Err(malformed(
-                            place,
-                            "abscissa",
-                            &text::quoted(text),
-                            "a real number",
-                        ));
-                    }
+                    Value::Complex(_) => return Err(wrong("abscissa", "a real number")),
                 };
                 if !number.is_finite() {
-                    defects.add(
-                        line,
-                        malformed(place, "abscissa", &text::quoted(text), "a finite number"),
-                    )?;
+                    defects.add(line, wrong("abscissa", "a finite number"))?;
                 }
                 table.digits.push(number, text::half_unit(digits, mark));
                 push(values, Value::Real(number));

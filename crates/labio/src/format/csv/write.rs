@@ -6,6 +6,7 @@ use super::abscissa::default_kind;
 use super::abscissa_name::Marker;
 use super::cells::is_number;
 use super::{CsvSeparator, FORMAT, header};
+use crate::error::not_representable;
 use crate::format::kind::{kind_name, kind_of_name};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
@@ -14,10 +15,7 @@ use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 const BUFFER_BYTES: usize = 1 << 16;
 
 fn cannot_hold(what: impl Into<String>) -> LabioError {
-    LabioError::NotRepresentable {
-        format: FORMAT,
-        what: what.into(),
-    }
+    not_representable(FORMAT, what.into())
 }
 
 pub(super) fn write(contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {

@@ -6,8 +6,7 @@ use super::coordinate::{along, is_scale};
 use super::values::{axis_of, is_text, numbers, shape_of, unpacked};
 use super::{Hierarchy, refused, text_of};
 use crate::format::matlab_array::{misplaced, single};
-use crate::series::every;
-use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesKind};
+use crate::{Abscissa, LabioError, Place, Series, SeriesKind};
 
 /// Attributes that do not become properties of a series because they have another meaning.
 const MEANT: [&str; 12] = [
@@ -90,10 +89,7 @@ pub(super) fn read(
             name: series_name,
             kind: SeriesKind::General,
             abscissa: abscissa.clone(),
-            ordinate: match &values {
-                Ordinate::Real(all) => Ordinate::Real(every(all, first, step, length)),
-                Ordinate::Complex(all) => Ordinate::Complex(every(all, first, step, length)),
-            },
+            ordinate: values.every(first, step, length),
             abscissa_axis: abscissa_axis.clone(),
             ordinate_axis: axis_of(dataset),
             properties: properties(dataset),

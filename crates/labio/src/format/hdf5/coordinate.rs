@@ -8,6 +8,7 @@ use hdf5_reader::{Dataset, Datatype};
 use super::values::{axis_of, is_text, numbers, unpacked};
 use super::{Hierarchy, attribute, malformed, refused};
 use crate::format::rounding::WrittenValues;
+use crate::format::text;
 use crate::{Abscissa, LabioError, Ordinate, SeriesAxis};
 
 /// Beginning of the name of a netCDF dimension without coordinates.
@@ -100,11 +101,7 @@ pub(super) fn along(
             start: 0.0,
             step: 1.0,
         };
-        let axis = SeriesAxis {
-            label: "index".to_owned(),
-            ..SeriesAxis::default()
-        };
-        (abscissa, axis)
+        (abscissa, text::axis("index", ""))
     };
     let Ok(list) = dataset.attribute("DIMENSION_LIST") else {
         return Ok(index());

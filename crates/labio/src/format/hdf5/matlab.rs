@@ -8,8 +8,9 @@ use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype};
 
 use super::values::{kind_of, numbers, shape_of};
-use super::{DEEPEST, Hierarchy, attribute, malformed, refused};
+use super::{Hierarchy, attribute, malformed, refused};
 use crate::format::matlab_array::{Array, single, text_rows};
+use crate::format::reading::DEEPEST;
 use crate::{LabioError, Ordinate};
 
 /// Name of the group that contains the cells and the fields of structure arrays.
@@ -51,13 +52,8 @@ fn fields(
         name => format!("{name}.{member}"),
     };
     for dataset in &datasets {
-        let read = variable(
-            dataset,
-            &full(dataset.name()),
-            !name.is_empty(),
-            depth,
-            hierarchy,
-        );
+        let own = full(dataset.name());
+        let read = variable(dataset, &own, !name.is_empty(), depth, hierarchy);
         read.or_else(|error| hierarchy.reading.pass_over(error, dataset.address()))?;
     }
     // `#refs#` and `#subsystem#` belong to the file itself
@@ -80,20 +76,16 @@ fn structure(
     let class = class
         .and_then(|class| super::text_of(&class))
         .unwrap_or_default();
-    match class.as_str() {
-        "struct" => fields(group, name, depth + 1, hierarchy),
-        other => {
-            let is_sparse = group.attribute("MATLAB_sparse").is_ok();
-            let found = if is_sparse { "sparse" } else { other };
-            let expected = "numbers, text, struct or cell";
-            Err(malformed(
-                name,
-                group.address(),
-                format!("class {found}"),
-                expected,
-            ))
-        }
+    if class == "struct" {
+        return fields(group, name, depth + 1, hierarchy);
     }
+    let is_sparse = group.attribute("MATLAB_sparse").is_ok();
+    let found = format!(
+        "class {}",
+        if is_sparse { "sparse" } else { class.as_str() }
+    );
+    let expected = "numbers, text, struct or cell";
+    Err(malformed(name, group.address(), found, expected))
 }
 
 /// Adds a variable. `within` is true for a field of a structure, which may be a structure array.
@@ -128,12 +120,8 @@ fn variable(
         }
         ("char", _) => {
             let Ordinate::Real(units) = numbers(dataset, name, hierarchy)? else {
-                return Err(malformed(
-                    name,
-                    at,
-                    "pairs of numbers".to_owned(),
-                    "characters",
-                ));
+                let found = "pairs of numbers".to_owned();
+                return Err(malformed(name, at, found, "characters"));
             };
             #[expect(
                 clippy::cast_possible_truncation,

@@ -4,10 +4,9 @@ use hdf5_reader::{ByteOrder, Dataset, Datatype};
 use num_complex::Complex64;
 
 use super::{Hierarchy, attribute, malformed, refused};
+use crate::format::matlab_array::is_countable;
+use crate::unit::EXACT_INTEGERS;
 use crate::{LabioError, Ordinate, Place, SeriesAxis};
-
-/// Largest magnitude up to which every integer is exact as `f64`.
-const EXACT_TO: f64 = 9_007_199_254_740_992.0;
 
 /// Label and unit of the numbers of a data set.
 pub(super) fn axis_of(dataset: &Dataset) -> SeriesAxis {
@@ -34,12 +33,8 @@ pub(super) fn is_text(kind: &Datatype) -> bool {
 pub(super) fn shape_of(dataset: &Dataset, name: &str) -> Result<Vec<usize>, LabioError> {
     let uncountable = || {
         let found = format!("the shape {:?}", dataset.shape());
-        malformed(
-            name,
-            dataset.address(),
-            found,
-            "lengths whose product does not overflow",
-        )
+        let expected = "lengths whose product does not overflow";
+        malformed(name, dataset.address(), found, expected)
     };
     let lengths: Option<Vec<usize>> = dataset
         .shape()
@@ -47,12 +42,11 @@ pub(super) fn shape_of(dataset: &Dataset, name: &str) -> Result<Vec<usize>, Labi
         .map(|&length| usize::try_from(length).ok())
         .collect();
     let lengths = lengths.ok_or_else(uncountable)?;
-    lengths
-        .iter()
-        .filter(|&&length| length > 0)
-        .try_fold(1_usize, |n, &length| n.checked_mul(length))
-        .ok_or_else(uncountable)?;
-    Ok(lengths)
+    if is_countable(&lengths) {
+        Ok(lengths)
+    } else {
+        Err(uncountable())
+    }
 }
 
 /// Returns the numbers of a data set in the order of the file.
@@ -76,12 +70,8 @@ pub(super) fn numbers(
         hierarchy.reading.budget.give_back(count * size);
         let pairs = pairs.filter(|pairs| pairs.len() == count);
         return pairs.map(Ordinate::Complex).ok_or_else(|| {
-            malformed(
-                name,
-                at,
-                format!("{} bytes", bytes.len()),
-                "pairs of numbers",
-            )
+            let found = format!("{} bytes", bytes.len());
+            malformed(name, at, found, "pairs of numbers")
         });
     }
     let size = match dataset.dtype() {
@@ -133,7 +123,7 @@ pub(super) fn numbers(
     hierarchy.reading.budget.give_back(8 * count);
     if size == 8
         && matches!(dataset.dtype(), Datatype::FixedPoint { .. })
-        && let Some(large) = values.iter().find(|value| value.abs() > EXACT_TO)
+        && let Some(large) = values.iter().find(|value| value.abs() > EXACT_INTEGERS)
     {
         let found = format!("the integer {large}");
         return Err(malformed(name, at, found, "at most 2^53 in magnitude"));

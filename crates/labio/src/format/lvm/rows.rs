@@ -26,13 +26,7 @@ impl Rows {
         strictness: Strictness,
         contents: &mut Contents,
     ) -> Result<(), LabioError> {
-        let mut defect = |error: LabioError| match strictness {
-            Strictness::Strict => Err(error),
-            Strictness::Tolerant => {
-                contents.defects.push(error);
-                Ok(())
-            }
-        };
+        let mut defect = |error: LabioError| strictness.pass_over(error, &mut contents.defects);
         while let Some((line, text)) = source.skip_blank(self.separator) {
             let first = self.cells(text).next().unwrap_or("");
             if first.starts_with(START_SPECIAL) {

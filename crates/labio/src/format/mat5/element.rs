@@ -1,10 +1,10 @@
 //! Elements of a MATLAB file: type, length and bytes.
 
 use super::{FORMAT, malformed};
+use crate::error::truncated;
+use crate::format::number_type::{NumberType, utf32};
+use crate::unit::EXACT_INTEGERS;
 use crate::{LabioError, Place};
-
-/// Largest magnitude up to which every integer is exact as `f64`.
-const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// Origin of the bytes, for error messages.
 #[derive(Debug, Clone, Copy)]
@@ -76,10 +76,7 @@ impl<'a> Cursor<'a> {
         if self.at >= self.bytes.len() {
             return Ok(None);
         }
-        let truncated = |missing_bytes| LabioError::Truncated {
-            format: FORMAT,
-            missing_bytes,
-        };
+        let truncated = |missing_bytes| truncated(FORMAT, missing_bytes);
         let left = self.bytes.len() - self.at;
         let (Some(first), Some(second)) = (self.word(self.at), self.word(self.at + 4)) else {
             return Err(truncated(8 - left.min(8)));
@@ -96,12 +93,8 @@ impl<'a> Cursor<'a> {
             }
             length @ 1..=4 => (first & 0xffff, self.at + 4, length as usize, 4),
             length => {
-                return Err(malformed(
-                    Place::Byte(at),
-                    "length of a small element",
-                    length.to_string(),
-                    "at most 4 bytes",
-                ));
+                let (field, found) = ("length of a small element", length.to_string());
+                return Err(malformed(Place::Byte(at), field, found, "at most 4 bytes"));
             }
         };
         let end = start.saturating_add(length);
@@ -121,12 +114,8 @@ impl<'a> Cursor<'a> {
     pub(super) fn expect(&mut self, what: &str) -> Result<Element<'a>, LabioError> {
         let at = self.offset();
         self.element()?.ok_or_else(|| {
-            malformed(
-                Place::Byte(at),
-                what,
-                "the end of the array".to_owned(),
-                "an element",
-            )
+            let found = "the end of the array".to_owned();
+            malformed(Place::Byte(at), what, found, "an element")
         })
     }
 }
@@ -138,40 +127,25 @@ impl Element<'_> {
 
     /// Returns the numbers, whatever their stored type.
     pub(super) fn numbers(&self, field: &str) -> Result<Vec<f64>, LabioError> {
-        fn each<const N: usize>(
-            element: &Element<'_>,
-            value: impl Fn([u8; N]) -> f64,
-        ) -> (Vec<f64>, usize) {
-            let (numbers, rest) = element.data.as_chunks::<N>();
-            let flip = |mut bytes: [u8; N]| {
-                if element.big_endian {
-                    bytes.reverse();
-                }
-                value(bytes)
-            };
-            (
-                numbers.iter().map(|&bytes| flip(bytes)).collect(),
-                rest.len(),
-            )
-        }
-        let (values, rest) = match self.kind {
-            1 => each(self, |b| f64::from(i8::from_le_bytes(b))),
-            2 => each(self, |[b]| f64::from(b)),
-            3 => each(self, |b| f64::from(i16::from_le_bytes(b))),
-            4 => each(self, |b| f64::from(u16::from_le_bytes(b))),
-            5 => each(self, |b| f64::from(i32::from_le_bytes(b))),
-            6 => each(self, |b| f64::from(u32::from_le_bytes(b))),
-            7 => each(self, |b| f64::from(f32::from_le_bytes(b))),
-            9 => each(self, f64::from_le_bytes),
-            12 => each(self, |b| i64::from_le_bytes(b) as f64),
-            13 => each(self, |b| u64::from_le_bytes(b) as f64),
+        let kind = match self.kind {
+            1 => NumberType::I8,
+            2 => NumberType::U8,
+            3 => NumberType::I16,
+            4 => NumberType::U16,
+            5 => NumberType::I32,
+            6 => NumberType::U32,
+            7 => NumberType::F32,
+            9 => NumberType::F64,
+            12 => NumberType::I64,
+            13 => NumberType::U64,
             other => return Err(self.malformed(field, format!("of type {other}"), "numbers")),
         };
-        if rest > 0 {
+        if !self.data.len().is_multiple_of(kind.size()) {
             let found = format!("{} bytes", self.data.len());
             return Err(self.malformed(field, found, "a multiple of the size of its type"));
         }
-        let inexact = values.iter().find(|value| value.abs() >= LARGEST_EXACT);
+        let values = kind.numbers(self.data, self.big_endian);
+        let inexact = values.iter().find(|value| value.abs() >= EXACT_INTEGERS);
         match inexact.filter(|_| matches!(self.kind, 12 | 13)) {
             Some(value) => Err(self.malformed(
                 field,
@@ -204,17 +178,9 @@ impl Element<'_> {
                 .map_err(|_| wrong())?
                 .chars()
                 .collect()),
-            18 => {
-                let (units, rest) = self.data.as_chunks::<4>();
-                let characters = units.iter().map(|&unit| {
-                    char::from_u32(match self.big_endian {
-                        true => u32::from_be_bytes(unit),
-                        false => u32::from_le_bytes(unit),
-                    })
-                });
-                let characters: Option<_> = characters.collect();
-                characters.filter(|_| rest.is_empty()).ok_or_else(wrong)
-            }
+            18 => utf32(self.data, self.big_endian)
+                .filter(|_| self.data.len().is_multiple_of(4))
+                .ok_or_else(wrong),
             _ => Err(wrong()),
         }
     }

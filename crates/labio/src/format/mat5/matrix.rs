@@ -72,16 +72,14 @@ pub(super) fn read(
             &format!("at most {DEEPEST} levels"),
         ));
     }
-    let head = match head(&mut cursor, at)? {
-        Some(head) => head,
-        None => {
-            return Err(malformed(
-                Place::Byte(at),
-                "class of an array",
-                "opaque object".to_owned(),
-                "numbers, text, struct or cell",
-            ));
-        }
+    let Some(head) = head(&mut cursor, at)? else {
+        let (found, expected) = ("opaque object".to_owned(), "numbers, text, struct or cell");
+        return Err(malformed(
+            Place::Byte(at),
+            "class of an array",
+            found,
+            expected,
+        ));
     };
     let name = if name.is_empty() {
         head.name.clone()
@@ -89,16 +87,7 @@ pub(super) fn read(
         name.to_owned()
     };
     if name.len() > LONGEST_NAME {
-        let (found, expected) = (
-            format!("{} bytes", name.len()),
-            format!("at most {LONGEST_NAME}"),
-        );
-        return Err(malformed(
-            Place::Byte(at),
-            "name of an array",
-            found,
-            &expected,
-        ));
+        return Err(long_name(at, "name of an array", &name));
     }
     if name.is_empty() {
         // parts of objects and function handles, which are rejected where they occur
@@ -156,14 +145,7 @@ fn inner<'a>(
     reading: &mut Reading,
 ) -> Result<(), LabioError> {
     let result = if name.len() > LONGEST_NAME {
-        let found = format!("{} bytes", name.len());
-        let expected = format!("at most {LONGEST_NAME}");
-        Err(malformed(
-            Place::Byte(element.at),
-            "name of a field",
-            found,
-            &expected,
-        ))
+        Err(long_name(element.at, "name of a field", name))
     } else if element.kind != MATRIX {
         let found = format!("of type {}", element.kind);
         Err(malformed(
@@ -181,14 +163,25 @@ fn inner<'a>(
 }
 
 /// Reads the head of an array; `None` for an opaque object, which has no shape.
+fn long_name(at: u64, field: &str, name: &str) -> LabioError {
+    let found = format!("{} bytes", name.len());
+    malformed(
+        Place::Byte(at),
+        field,
+        found,
+        &format!("at most {LONGEST_NAME}"),
+    )
+}
+
 fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
-    let flags = cursor.expect("flags of an array")?;
-    let words = flags.numbers("flags of an array")?;
+    let field = "flags of an array";
+    let flags = cursor.expect(field)?;
+    let words = flags.numbers(field)?;
     if flags.kind != 6 || words.len() != 2 {
         let found = format!("{} numbers of type {}", words.len(), flags.kind);
         return Err(malformed(
             Place::Byte(flags.at),
-            "flags of an array",
+            field,
             found,
             "two of type 6",
         ));
@@ -201,46 +194,31 @@ fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
     if class == 17 {
         return Ok(None);
     }
+    const UNCOUNTABLE: &str = "lengths whose product does not overflow";
     let dimensions = cursor.expect("shape of an array")?;
-    let mut shape = Vec::new();
-    let mut n = 1_usize;
-    for length in dimensions.numbers("shape of an array")? {
-        let wrong = |expected: &str| {
-            malformed(
-                Place::Byte(dimensions.at),
-                "shape of an array",
-                format!("{length}"),
-                expected,
-            )
-        };
-        let whole = whole(length).ok_or_else(|| wrong("a length"))?;
-        n = n
-            .checked_mul(whole)
-            .ok_or_else(|| wrong("lengths whose product does not overflow"))?;
-        shape.push(whole);
-    }
-    if shape.len() < 2 {
-        let found = format!("{} lengths", shape.len());
-        return Err(malformed(
+    let wrong = |found: String, expected: &str| {
+        malformed(
             Place::Byte(dimensions.at),
             "shape of an array",
             found,
-            "at least 2",
-        ));
+            expected,
+        )
+    };
+    let mut shape = Vec::new();
+    let mut n = 1_usize;
+    for length in dimensions.numbers("shape of an array")? {
+        let whole = whole(length).ok_or_else(|| wrong(length.to_string(), "a length"))?;
+        n = n
+            .checked_mul(whole)
+            .ok_or_else(|| wrong(length.to_string(), UNCOUNTABLE))?;
+        shape.push(whole);
     }
-    // a length of zero would hide an overflow of the other lengths
-    shape
-        .iter()
-        .filter(|&&length| length > 0)
-        .try_fold(1_usize, |n, &length| n.checked_mul(length))
-        .ok_or_else(|| {
-            malformed(
-                Place::Byte(dimensions.at),
-                "shape of an array",
-                format!("{shape:?}"),
-                "lengths whose product does not overflow",
-            )
-        })?;
+    if shape.len() < 2 {
+        return Err(wrong(format!("{} lengths", shape.len()), "at least 2"));
+    }
+    if !matlab_array::is_countable(&shape) {
+        return Err(wrong(format!("{shape:?}"), UNCOUNTABLE));
+    }
     let name = cursor.expect("name of an array")?;
     let name: String = name.characters("name of an array")?.into_iter().collect();
     Ok(Some(Head {
@@ -282,13 +260,11 @@ fn fields(
         _ => None,
     };
     let Some(width) = width.filter(|&width| characters.len().is_multiple_of(width)) else {
-        let found = format!("{} characters", characters.len());
-        return Err(malformed(
-            Place::Byte(length.at),
-            &what,
-            found,
+        let (found, expected) = (
+            format!("{} characters", characters.len()),
             "names of the stated length",
-        ));
+        );
+        return Err(malformed(Place::Byte(length.at), &what, found, expected));
     };
     let n_fields = characters.len() / width;
     let place = Place::Byte(names.at);

@@ -5,6 +5,7 @@ use std::io::Write;
 
 use super::beside::{BESIDE, OF_WRITER};
 use super::{FORMAT, HEADER_BYTES, MATRIX, Mat5};
+use crate::error::not_representable;
 use crate::format::Writer;
 use crate::format::kind::kind_name;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
@@ -166,9 +167,11 @@ fn array(
     shape: [usize; 2],
     data: impl Iterator<Item = (u32, Vec<u8>)>,
 ) -> Result<Vec<u8>, LabioError> {
-    let too_long = || LabioError::NotRepresentable {
-        format: FORMAT,
-        what: format!("`{name}`, which has {} numbers", shape[0].max(shape[1])),
+    let too_long = || {
+        not_representable(
+            FORMAT,
+            format!("`{name}`, which has {} numbers", shape[0].max(shape[1])),
+        )
     };
     let mut lengths = Vec::new();
     for length in shape {

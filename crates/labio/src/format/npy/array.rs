@@ -3,11 +3,10 @@
 use num_complex::Complex64;
 
 use super::header::{Element, Header, Kind, shape_text};
-use crate::series::every;
-use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
-
-/// Largest magnitude up to which every integer is exact as `f64`.
-const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
+use crate::error::{malformed, truncated};
+use crate::format::number_type::{NumberType, utf32};
+use crate::unit::EXACT_INTEGERS;
+use crate::{LabioError, Ordinate, Place, Series};
 
 /// An array of numbers or of texts.
 #[derive(Debug)]
@@ -35,10 +34,7 @@ impl Array {
         let data = bytes.get(header.data_start..).unwrap_or(&[]);
         let awaited = header.data_length().unwrap_or(usize::MAX);
         if data.len() < awaited {
-            return Err(LabioError::Truncated {
-                format,
-                missing_bytes: awaited - data.len(),
-            });
+            return Err(truncated(format, awaited - data.len()));
         }
         if data.len() > awaited {
             return Err(LabioError::TrailingBytes {
@@ -46,12 +42,15 @@ impl Array {
                 extra_bytes: data.len() - awaited,
             });
         }
-        let malformed = |index: usize, found: String, expected: &str| LabioError::Malformed {
-            format,
-            place: Place::Byte((header.data_start + index * header.element.bytes) as u64),
-            field: format!("{part}element {index}"),
-            found,
-            expected: expected.to_owned(),
+        let malformed = |index: usize, found: String, expected: &str| {
+            let place = Place::Byte((header.data_start + index * header.element.bytes) as u64);
+            malformed(
+                format,
+                place,
+                format!("{part}element {index}"),
+                found,
+                expected,
+            )
         };
         let values = if header.element.is_text() {
             let texts = data.chunks_exact(header.element.bytes);
@@ -64,11 +63,8 @@ impl Array {
             let (reals, inexact) = numbers(data, header.element);
             if let Some(index) = inexact {
                 let found = "an integer beyond 2^53".to_owned();
-                return Err(malformed(
-                    index,
-                    found,
-                    "one that a double represents exactly",
-                ));
+                let expected = "one that a double represents exactly";
+                return Err(malformed(index, found, expected));
             }
             if header.element.kind == Kind::Complex {
                 let pairs = reals.as_chunks::<2>().0.iter();
@@ -83,87 +79,46 @@ impl Array {
     /// Returns the series of an array of one or two axes called `name`; empty if the array contains
     /// texts, has no element or has another number of axes.
     pub(in crate::format) fn into_series(self, name: &str) -> Vec<Series> {
-        let shape = &self.header.shape;
-        let descr = self.header.element.to_string();
-        let series = |name: String, ordinate: Ordinate| Series {
-            name,
-            kind: SeriesKind::General,
-            abscissa: Abscissa::Even {
-                start: 0.0,
-                step: 1.0,
-            },
-            ordinate,
-            abscissa_axis: index_axis(),
-            ordinate_axis: SeriesAxis::default(),
-            properties: Vec::new(),
+        let (shape, element) = (&self.header.shape, self.header.element);
+        let ordinate = match self.values {
+            Values::Real(values) => Ordinate::Real(values),
+            Values::Complex(values) => Ordinate::Complex(values),
+            Values::Text(_) => return Vec::new(),
         };
-        let whole = |values| match values {
-            Values::Real(values) => Some(Ordinate::Real(values)),
-            Values::Complex(values) => Some(Ordinate::Complex(values)),
-            Values::Text(_) => None,
-        };
+        let mut properties = vec![("descr".to_owned(), element.to_string())];
         match shape.as_slice() {
             [_] => {
-                let Some(ordinate) = whole(self.values) else {
-                    return Vec::new();
-                };
-                let usual = usual_element(&ordinate) == self.header.element;
-                let mut series = series(name.to_owned(), ordinate);
-                if !usual {
-                    series.properties.push(("descr".to_owned(), descr));
+                if usual_element(&ordinate) == element {
+                    properties.clear();
                 }
-                vec![series]
+                vec![Series::over_index(name.to_owned(), ordinate, properties)]
             }
             &[n_rows, n_columns] => {
                 let rows_are_series = n_rows <= n_columns;
-                let n_series = n_rows.min(n_columns);
-                let length = n_rows.max(n_columns);
+                let (n_series, length) = (n_rows.min(n_columns), n_rows.max(n_columns));
                 // distance between consecutive samples, and between consecutive series, in the
                 // order of the file
                 let (sample, one) = match (rows_are_series, self.header.fortran_order) {
                     (true, false) | (false, true) => (1, length),
                     (true, true) | (false, false) => (n_series, 1),
                 };
-                let properties = |index| {
-                    let mut properties = vec![
-                        ("array".to_owned(), name.to_owned()),
-                        ("shape".to_owned(), shape_text(shape)),
-                        ("descr".to_owned(), descr.clone()),
-                    ];
-                    if self.header.fortran_order {
-                        properties.push(("fortran_order".to_owned(), "True".to_owned()));
-                    }
-                    (member_name(name, shape, index), properties)
-                };
-                (0..n_series)
-                    .filter_map(|index| {
-                        let ordinate = match &self.values {
-                            Values::Real(values) => {
-                                Ordinate::Real(every(values, index * one, sample, length))
-                            }
-                            Values::Complex(values) => {
-                                Ordinate::Complex(every(values, index * one, sample, length))
-                            }
-                            Values::Text(_) => return None,
-                        };
-                        let (name, properties) = properties(index);
-                        Some(Series {
-                            properties,
-                            ..series(name, ordinate)
-                        })
-                    })
-                    .collect()
+                properties.insert(0, ("array".to_owned(), name.to_owned()));
+                properties.insert(1, ("shape".to_owned(), shape_text(shape)));
+                if self.header.fortran_order {
+                    properties.push(("fortran_order".to_owned(), "True".to_owned()));
+                }
+                let series = (0..n_series).map(|index| {
+                    let ordinate = ordinate.every(index * one, sample, length);
+                    Series::over_index(
+                        member_name(name, shape, index),
+                        ordinate,
+                        properties.clone(),
+                    )
+                });
+                series.collect()
             }
             _ => Vec::new(),
         }
-    }
-}
-
-/// An axis of sample indices.
-pub(in crate::format) fn index_axis() -> SeriesAxis {
-    SeriesAxis {
-        label: "index".to_owned(),
-        ..SeriesAxis::default()
     }
 }
 
@@ -186,60 +141,30 @@ pub(in crate::format) fn usual_element(ordinate: &Ordinate) -> Element {
 /// Returns the numbers, complex ones as pairs, and the index of the first integer that may not be
 /// exact as `f64`.
 fn numbers(data: &[u8], element: Element) -> (Vec<f64>, Option<usize>) {
-    fn each<const N: usize>(
-        data: &[u8],
-        big_endian: bool,
-        value: impl Fn([u8; N]) -> f64,
-    ) -> Vec<f64> {
-        let flip = |mut bytes: [u8; N]| {
-            if big_endian {
-                bytes.reverse();
-            }
-            value(bytes)
-        };
-        data.as_chunks::<N>()
-            .0
-            .iter()
-            .map(|&bytes| flip(bytes))
-            .collect()
-    }
-    let big = element.big_endian;
-    let values = match (element.kind, element.bytes) {
-        (Kind::Float, 4) | (Kind::Complex, 8) => {
-            each(data, big, |b| f64::from(f32::from_le_bytes(b)))
-        }
-        (Kind::Float | Kind::Complex, _) => each(data, big, f64::from_le_bytes),
-        (Kind::Signed, 1) => each(data, big, |b| f64::from(i8::from_le_bytes(b))),
-        (Kind::Signed, 2) => each(data, big, |b| f64::from(i16::from_le_bytes(b))),
-        (Kind::Signed, 4) => each(data, big, |b| f64::from(i32::from_le_bytes(b))),
-        (Kind::Signed, _) => each(data, big, |b| i64::from_le_bytes(b) as f64),
-        (Kind::Unsigned, 2) => each(data, big, |b| f64::from(u16::from_le_bytes(b))),
-        (Kind::Unsigned, 4) => each(data, big, |b| f64::from(u32::from_le_bytes(b))),
-        (Kind::Unsigned, 8) => each(data, big, |b| u64::from_le_bytes(b) as f64),
-        (Kind::Unsigned | Kind::Boolean, _) => each(data, big, |[b]| f64::from(b)),
-        (Kind::Wide | Kind::Narrow, _) => Vec::new(),
+    let kind = match (element.kind, element.bytes) {
+        (Kind::Float, 4) | (Kind::Complex, 8) => NumberType::F32,
+        (Kind::Float | Kind::Complex, _) => NumberType::F64,
+        (Kind::Signed, 1) => NumberType::I8,
+        (Kind::Signed, 2) => NumberType::I16,
+        (Kind::Signed, 4) => NumberType::I32,
+        (Kind::Signed, _) => NumberType::I64,
+        (Kind::Unsigned, 2) => NumberType::U16,
+        (Kind::Unsigned, 4) => NumberType::U32,
+        (Kind::Unsigned, 8) => NumberType::U64,
+        (Kind::Unsigned | Kind::Boolean | Kind::Wide | Kind::Narrow, _) => NumberType::U8,
     };
+    let values = kind.numbers(data, element.big_endian);
     let long = element.bytes == 8 && matches!(element.kind, Kind::Signed | Kind::Unsigned);
     let inexact = values
         .iter()
-        .position(|value| long && value.abs() >= LARGEST_EXACT);
+        .position(|value| long && value.abs() >= EXACT_INTEGERS);
     (values, inexact)
 }
 
 /// Reads a text padded with zeros.
 fn characters(bytes: &[u8], element: Element) -> Option<String> {
     let text: String = match element.kind {
-        Kind::Wide => bytes
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|&four| {
-                char::from_u32(match element.big_endian {
-                    true => u32::from_be_bytes(four),
-                    false => u32::from_le_bytes(four),
-                })
-            })
-            .collect::<Option<_>>()?,
+        Kind::Wide => utf32(bytes, element.big_endian)?,
         _ => bytes.iter().copied().map(char::from).collect(),
     };
     Some(text.trim_end_matches('\0').to_owned())

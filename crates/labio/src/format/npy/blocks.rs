@@ -8,7 +8,9 @@ use ndarray::Array2;
 
 use super::header::{Element, Header};
 use super::{FORMAT, TIME_STEP_TOLERANCE};
-use crate::error::check_positive;
+use crate::error::{
+    check_count, check_enough_samples, check_positive, non_finite_sample, truncated,
+};
 use crate::format::opened;
 use crate::{BlockSource, Channel, LabioError};
 
@@ -65,8 +67,13 @@ enum Clock {
     Given { sampling_rate_hz: f64 },
 }
 
+/// Returns a number of the file as a count of the memory, where it ends at the largest one.
+fn count(number: u64) -> usize {
+    usize::try_from(number).unwrap_or(usize::MAX)
+}
+
 impl Clock {
-    /// Number of rows before the rows of the channels.
+    /// Number of rows of the file that contain the times.
     fn rows(&self) -> u64 {
         match self {
             Self::Times { .. } => 1,
@@ -106,13 +113,7 @@ impl<R: Read + Seek> Blocks<R> {
             previous: None,
         };
         let mut blocks = Self::with_clock(source, channels, clock)?;
-        if blocks.n_samples < 2 {
-            return Err(LabioError::TooFewSamples {
-                what: "the row of times",
-                found: usize::try_from(blocks.n_samples).unwrap_or(usize::MAX),
-                expected: 2,
-            });
-        }
+        check_enough_samples("the row of times", count(blocks.n_samples), 2)?;
         let first = blocks.number(0)?;
         let last = blocks.number(blocks.n_samples - 1)?;
         let step = check_positive(
@@ -172,12 +173,8 @@ impl<R: Read + Seek> Blocks<R> {
             .data_length()
             .and_then(|data| u64::try_from(data.checked_add(header.data_start)?).ok())
             .unwrap_or(u64::MAX);
-        let count = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
         if announced > length {
-            return Err(LabioError::Truncated {
-                format: FORMAT,
-                missing_bytes: count(announced - length),
-            });
+            return Err(truncated(FORMAT, announced - length));
         }
         if announced < length {
             return Err(LabioError::TrailingBytes {
@@ -186,13 +183,8 @@ impl<R: Read + Seek> Blocks<R> {
             });
         }
         let rows = count(clock.rows());
-        if n_rows != channels.len() + rows {
-            return Err(LabioError::CountMismatch {
-                what: "rows of the array, one per channel and, if there are times, one for them",
-                found: n_rows,
-                expected: channels.len() + rows,
-            });
-        }
+        let what = "rows of the array, one per channel and, if there are times, one for them";
+        check_count(what, n_rows, channels.len() + rows)?;
         crate::channel::check_distinct(channels)?;
         Ok(Self {
             source,
@@ -242,19 +234,17 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     /// Compares the steps of the next `count` times with the mean step.
-    fn check_times(&mut self, count: usize) -> Result<(), LabioError> {
+    fn check_times(&mut self, n: usize) -> Result<(), LabioError> {
         let Clock::Times { step, mut previous } = self.clock else {
             return Ok(());
         };
         let from = self.next;
-        self.run(from, count, |at, time| {
+        self.run(from, n, |at, time| {
             if let Some(previous) = previous {
                 let found = time - previous;
                 let off = (found - step).abs();
                 if off > TIME_STEP_TOLERANCE * step || off.is_nan() {
-                    let index = usize::try_from(from)
-                        .unwrap_or(usize::MAX)
-                        .saturating_add(at);
+                    let index = count(from).saturating_add(at);
                     return Err(LabioError::NonUniformTime {
                         index: index.saturating_sub(1),
                         found,
@@ -288,23 +278,17 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
     }
 
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
-        if block.nrows() != self.channels.len() {
-            return Err(LabioError::CountMismatch {
-                what: "rows of the block, one per channel",
-                found: block.nrows(),
-                expected: self.channels.len(),
-            });
-        }
-        let left = usize::try_from(self.n_samples - self.next).unwrap_or(usize::MAX);
-        let count = left.min(block.ncols());
-        self.check_times(count)?;
+        let what = "rows of the block, one per channel";
+        check_count(what, block.nrows(), self.channels.len())?;
+        let n = count(self.n_samples - self.next).min(block.ncols());
+        self.check_times(n)?;
         let (from, before) = (self.next, self.clock.rows());
         for (row, mut samples) in block.rows_mut().into_iter().enumerate() {
             let mut unread = None;
             let mut places = samples.iter_mut();
             self.run(
                 (row as u64 + before) * self.n_samples + from,
-                count,
+                n,
                 |at, value| {
                     if !value.is_finite() && unread.is_none() {
                         unread = Some((at, value));
@@ -316,19 +300,16 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
                 },
             )?;
             if let Some((at, value)) = unread {
-                return Err(LabioError::NonFiniteSample {
-                    channel: self
-                        .channels
+                return non_finite_sample(
+                    self.channels
                         .get(row)
                         .map_or(String::new(), |c| c.name().to_owned()),
-                    index: usize::try_from(from)
-                        .unwrap_or(usize::MAX)
-                        .saturating_add(at),
+                    count(from).saturating_add(at),
                     value,
-                });
+                );
             }
         }
-        self.next += count as u64;
-        Ok(count)
+        self.next += n as u64;
+        Ok(n)
     }
 }

@@ -5,7 +5,8 @@ use std::io::Write;
 use super::FORMAT;
 use super::array::{self, Array, member_name, usual_element};
 use super::header::{Element, Header, MAGIC};
-use crate::format::{Reader, Strictness, Writer};
+use crate::error::not_representable;
+use crate::format::{Reader, Strictness, Writer, text};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind};
 
 /// `NumPy` array files with one array each; see the [module](super).
@@ -98,10 +99,7 @@ fn whole_samples(bytes: &[u8]) -> Option<Vec<u8>> {
 }
 
 fn cannot_hold(what: impl Into<String>) -> LabioError {
-    LabioError::NotRepresentable {
-        format: FORMAT,
-        what: what.into(),
-    }
+    not_representable(FORMAT, what.into())
 }
 
 impl Writer for Npy {
@@ -147,7 +145,7 @@ pub(in crate::format) fn is_bare(series: &Series) -> bool {
     series.kind == SeriesKind::General
         && matches!(series.abscissa, Abscissa::Even { start, step }
             if start.to_bits() == 0 && step.to_bits() == 1.0_f64.to_bits())
-        && series.abscissa_axis == array::index_axis()
+        && series.abscissa_axis == text::axis("index", "")
         && series.ordinate_axis == SeriesAxis::default()
 }
 
@@ -158,7 +156,7 @@ pub(in crate::format) fn header_of(
     name: &str,
     format: &'static str,
 ) -> Result<Header, LabioError> {
-    let cannot_hold = |what: String| Err(LabioError::NotRepresentable { format, what });
+    let cannot_hold = |what: String| Err(not_representable(format, what));
     let Some(first) = series.first() else {
         return cannot_hold("contents without a series".to_owned());
     };

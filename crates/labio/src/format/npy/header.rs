@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::error::{malformed, truncated};
 use crate::format::text;
 use crate::{LabioError, Place};
 
@@ -110,13 +111,14 @@ impl Header {
         part: &str,
     ) -> Result<Self, LabioError> {
         let malformed = |place: usize, field: &str, found: String, expected: &str| {
-            Err(LabioError::Malformed {
+            let place = Place::Byte(place as u64);
+            Err(malformed(
                 format,
-                place: Place::Byte(place as u64),
-                field: format!("{part}{field}"),
+                place,
+                format!("{part}{field}"),
                 found,
-                expected: expected.to_owned(),
-            })
+                expected,
+            ))
         };
         let Some(rest) = bytes.strip_prefix(MAGIC) else {
             let start = bytes.get(..MAGIC.len().min(bytes.len())).unwrap_or(&[]);
@@ -133,18 +135,12 @@ impl Header {
                 return malformed(6, "version", version.to_string(), "1, 2 or 3");
             }
             _ => {
-                return Err(LabioError::Truncated {
-                    format,
-                    missing_bytes: 12 - bytes.len().min(12),
-                });
+                return Err(truncated(format, 12 - bytes.len().min(12)));
             }
         };
         let data_start = length.saturating_add(text_start);
         let Some(literal) = bytes.get(text_start..data_start) else {
-            return Err(LabioError::Truncated {
-                format,
-                missing_bytes: data_start - bytes.len(),
-            });
+            return Err(truncated(format, data_start - bytes.len()));
         };
         let mut scanner = Scanner {
             bytes: literal,

@@ -3,8 +3,9 @@
 use std::collections::{HashMap, HashSet};
 
 use super::FORMAT;
+use crate::error;
 use crate::format::kind::{kind_name, kind_of_name};
-use crate::format::npy::array::{Array, Values, index_axis};
+use crate::format::npy::array::{Array, Values};
 use crate::format::text;
 use crate::{Abscissa, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
@@ -29,7 +30,7 @@ pub(super) fn rows(series: &Series) -> Vec<(String, String)> {
             rows.push((key.to_owned(), value.to_owned()));
         }
     };
-    let usual = index_axis();
+    let usual = text::axis("index", "");
     row(
         "kind",
         &kind_name(series.kind),
@@ -47,14 +48,8 @@ pub(super) fn rows(series: &Series) -> Vec<(String, String)> {
     rows
 }
 
-fn malformed(name: &str, found: String, expected: &str) -> LabioError {
-    LabioError::Malformed {
-        format: FORMAT,
-        place: Place::Byte(0),
-        field: format!("`{name}`"),
-        found,
-        expected: expected.to_owned(),
-    }
+pub(super) fn malformed(name: &str, found: String, expected: &str) -> LabioError {
+    error::malformed(FORMAT, Place::Byte(0), format!("`{name}`"), found, expected)
 }
 
 /// Adds the descriptions to the series and to the contents.
@@ -76,18 +71,12 @@ pub(super) fn attach(
         match (beside.remove(&even), beside.remove(&uneven)) {
             (Some(array), _) => {
                 let Values::Real(values) = &array.values else {
-                    return Err(malformed(
-                        &even,
-                        array.header.element.to_string(),
-                        "two real numbers",
-                    ));
+                    let found = array.header.element.to_string();
+                    return Err(malformed(&even, found, "two real numbers"));
                 };
                 let &[start, step] = values.as_slice() else {
-                    return Err(malformed(
-                        &even,
-                        format!("{} numbers", values.len()),
-                        "first value and step",
-                    ));
+                    let found = format!("{} numbers", values.len());
+                    return Err(malformed(&even, found, "first value and step"));
                 };
                 one.abscissa = Abscissa::Even { start, step };
             }
@@ -102,11 +91,8 @@ pub(super) fn attach(
                             "of shape {:?} and element {}",
                             array.header.shape, array.header.element
                         );
-                        return Err(malformed(
-                            &uneven,
-                            found,
-                            &format!("{n} real numbers, one per sample"),
-                        ));
+                        let expected = format!("{n} real numbers, one per sample");
+                        return Err(malformed(&uneven, found, &expected));
                     }
                 }
             }
@@ -159,11 +145,8 @@ fn say(series: &mut Series, about: &str, key: &str, value: String) -> Result<(),
         _ => match key.strip_prefix("property ") {
             Some(key) => series.properties.push((key.to_owned(), value)),
             None => {
-                return Err(malformed(
-                    about,
-                    format!("the key `{key}`"),
-                    "a key of a series",
-                ));
+                let found = format!("the key `{key}`");
+                return Err(malformed(about, found, "a key of a series"));
             }
         },
     }

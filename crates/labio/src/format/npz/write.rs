@@ -8,6 +8,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 use super::about::{self, ABOUT, SUFFIXES};
 use super::{FORMAT, Npz};
+use crate::error::not_representable;
 use crate::format::Writer;
 use crate::format::npy::array::{self, member_name};
 use crate::format::npy::file::{header_of, is_bare};
@@ -15,10 +16,7 @@ use crate::format::npy::header::{Element, Header, Kind};
 use crate::{Abscissa, Contents, LabioError, Series};
 
 fn cannot_hold(what: impl Into<String>) -> LabioError {
-    LabioError::NotRepresentable {
-        format: FORMAT,
-        what: what.into(),
-    }
+    not_representable(FORMAT, what.into())
 }
 
 impl Writer for Npz {

@@ -92,26 +92,3 @@ impl<'a> Fields<'a> {
         malformed(self.format, place, field, found, expected)
     }
 }
-
-/// Returns integers of one or two bytes.
-pub(super) fn integers(bytes: &[u8], each: usize, big_endian: bool, signed: bool) -> Vec<f64> {
-    if each == 1 {
-        let of = |&byte: &u8| match signed {
-            true => f64::from(byte.cast_signed()),
-            false => f64::from(byte),
-        };
-        return bytes.iter().map(of).collect();
-    }
-    let of = |pair: &[u8; 2]| {
-        let word = if big_endian {
-            u16::from_be_bytes(*pair)
-        } else {
-            u16::from_le_bytes(*pair)
-        };
-        match signed {
-            true => f64::from(word.cast_signed()),
-            false => f64::from(word),
-        }
-    };
-    bytes.as_chunks::<2>().0.iter().map(of).collect()
-}

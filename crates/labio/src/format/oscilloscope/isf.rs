@@ -3,9 +3,9 @@
 //! A recorded number n represents the sample (n - `YOFF`) `YMULT` + `YZERO`; the time of sample i
 //! is `XZERO` + (i - `PT_OFF`) `XINCR`.
 
-use super::fields::integers;
 use super::{Trace, contents};
-use crate::error::malformed;
+use crate::error::{malformed, truncated};
+use crate::format::number_type::NumberType;
 use crate::format::text::quoted;
 use crate::format::{Reader, Strictness};
 use crate::{Contents, LabioError, Place};
@@ -91,10 +91,7 @@ impl Reader for TektronixIsf {
             unit: read.word("YUN", ""),
             properties: vec![("preamble".to_owned(), preamble.trim().to_owned())],
         };
-        let cut = cut.map(|missing_bytes| LabioError::Truncated {
-            format: FORMAT,
-            missing_bytes,
-        });
+        let cut = cut.map(|missing_bytes| truncated(FORMAT, missing_bytes));
         Ok(contents(FORMAT, vec![trace], cut))
     }
 }
@@ -123,19 +120,20 @@ fn block(
     curve: &[u8],
     at: usize,
 ) -> Result<(Vec<f64>, Option<usize>), LabioError> {
-    let each = preamble.number("BYT_N", Some(1.0))?;
-    let each = match each {
-        1.0 => 1,
-        2.0 => 2,
+    let is_wide = match preamble.number("BYT_N", Some(1.0))? {
+        1.0 => false,
+        2.0 => true,
         other => {
             let expected = "integers of 1 or 2 bytes";
             return Err(wrong(0, "BYT_NR", other.to_string(), expected));
         }
     };
     let form = preamble.word("BN_F", "RI").to_ascii_uppercase();
-    let signed = match form.as_str() {
-        "RI" => true,
-        "RP" => false,
+    let kind = match (form.as_str(), is_wide) {
+        ("RI", false) => NumberType::I8,
+        ("RI", true) => NumberType::I16,
+        ("RP", false) => NumberType::U8,
+        ("RP", true) => NumberType::U16,
         _ => return Err(wrong(0, "BN_FMT", quoted(&form), "RI or RP")),
     };
     let big_endian = !preamble.word("BYT_O", "MSB").eq_ignore_ascii_case("LSB");
@@ -157,10 +155,9 @@ fn block(
             expected,
         ));
     };
-    let there = rest.len().min(length) / each * each;
-    let missing = length - rest.len().min(length);
-    let samples = rest.get(..there).unwrap_or(&[]);
-    let values = integers(samples, each, big_endian, signed);
+    let there = rest.len().min(length);
+    let missing = length - there;
+    let values = kind.numbers(rest.get(..there).unwrap_or(&[]), big_endian);
     Ok((values, (missing > 0).then_some(missing)))
 }
 

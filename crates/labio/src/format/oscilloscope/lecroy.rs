@@ -4,8 +4,10 @@
 //! recorded number n represents the sample gain·n - offset. Sample i is at the time offset +
 //! i·interval from the trigger.
 
-use super::fields::{Fields, integers};
+use super::fields::Fields;
 use super::{Trace, contents, decimal};
+use crate::error::truncated;
+use crate::format::number_type::NumberType;
 use crate::format::{Reader, Strictness};
 use crate::{Contents, LabioError};
 
@@ -67,17 +69,17 @@ impl Reader for LeCroy {
         // read as little-endian, the byte-order field is 0 only in a big-endian file
         let order = fields.u16(34, "order of bytes")?;
         fields.big_endian = order == 0;
-        let each = match fields.u16(32, "size of a sample")? {
-            0 => 1,
-            1 => 2,
+        let kind = match fields.u16(32, "size of a sample")? {
+            0 => NumberType::I8,
+            1 => NumberType::I16,
             other => {
                 return Err(fields.wrong(32, "size of a sample", other.to_string(), "0 or 1"));
             }
         };
-        let kind = fields.u16(316, "kind of record")?;
-        if !OVER_TIME.contains(&kind) {
+        let record = fields.u16(316, "kind of record")?;
+        if !OVER_TIME.contains(&record) {
             let name = RECORD_TYPES
-                .get(usize::from(kind))
+                .get(usize::from(record))
                 .copied()
                 .unwrap_or("unknown");
             return Err(fields.wrong(316, "kind of record", name.to_owned(), "samples over time"));
@@ -98,7 +100,7 @@ impl Reader for LeCroy {
             data += fields.count(at, field)?;
         }
         let n_trigger_bytes = fields.count(48, "length of the times of triggers")?;
-        let count = fields.count(60, "length of the samples")? / each;
+        let count = fields.count(60, "length of the samples")? / kind.size();
         let n_segments = fields.count(144, "number of segments")?.max(1);
         let length = count / n_segments;
         let gain = fields.step(f64::from(fields.f32(156, "gain")?), 156, "gain")?;
@@ -106,15 +108,12 @@ impl Reader for LeCroy {
         let interval = decimal(fields.f32(176, "interval")?);
         let interval = fields.step(interval, 176, "interval")?;
         let start = fields.f64(180, "time of the first sample")?;
-        let (samples, missing) = fields.samples(data, count, each);
-        let cut = (missing > 0).then_some(LabioError::Truncated {
-            format: FORMAT,
-            missing_bytes: missing,
-        });
+        let (samples, missing) = fields.samples(data, count, kind.size());
+        let cut = (missing > 0).then_some(truncated(FORMAT, missing));
         if let (Some(error), Strictness::Strict) = (&cut, strictness) {
             return Err(fields.wrong(60, "samples", error.to_string(), "all of them"));
         }
-        let values = integers(samples, each, fields.big_endian, true);
+        let values = kind.numbers(samples, fields.big_endian);
         let name = name(&fields);
         let mut traces = Vec::new();
         for (index, part) in values.chunks(length.max(1)).take(n_segments).enumerate() {

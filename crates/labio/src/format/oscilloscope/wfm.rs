@@ -6,6 +6,8 @@
 
 use super::fields::Fields;
 use super::{Trace, contents};
+use crate::error::truncated;
+use crate::format::number_type::NumberType;
 use crate::format::{Reader, Strictness};
 use crate::{Contents, LabioError};
 
@@ -27,15 +29,15 @@ struct Layout {
 
 /// Types of numbers in version 3, indexed by their code; earlier versions use the same codes but
 /// have no 8-bit integers.
-const KINDS: [(&str, usize); 8] = [
-    ("i16", 2),
-    ("i32", 4),
-    ("u32", 4),
-    ("u64", 8),
-    ("f32", 4),
-    ("f64", 8),
-    ("u8", 1),
-    ("i8", 1),
+const KINDS: [NumberType; 8] = [
+    NumberType::I16,
+    NumberType::I32,
+    NumberType::U32,
+    NumberType::U64,
+    NumberType::F32,
+    NumberType::F64,
+    NumberType::U8,
+    NumberType::I8,
 ];
 
 fn version(head: &[u8]) -> Option<u8> {
@@ -68,7 +70,7 @@ impl Reader for TektronixWfm {
         let layout = Layout::of(version);
         let n_frames = 1 + fields.count(0x48, "number of fast frames")?;
         let kind = fields.count(layout.explicit + 72, "kind of samples")?;
-        let Some(&(kind, each)) = KINDS.get(kind) else {
+        let Some(&kind) = KINDS.get(kind) else {
             let found = kind.to_string();
             return Err(fields.wrong(
                 layout.explicit + 72,
@@ -116,13 +118,11 @@ impl Reader for TektronixWfm {
                 let found = format!("from {first} to {end} of {last}");
                 return Err(fields.wrong(own, "place of the samples", found, "ascending offsets"));
             }
-            let (samples, missing) = fields.samples(at + first, (end - first) / each, each);
+            let count = (end - first) / kind.size();
+            let (samples, missing) = fields.samples(at + first, count, kind.size());
             at += last;
             if missing > 0 {
-                let error = LabioError::Truncated {
-                    format: FORMAT,
-                    missing_bytes: missing,
-                };
+                let error = truncated(FORMAT, missing);
                 if strictness == Strictness::Strict {
                     return Err(fields.wrong(own, "samples", error.to_string(), "all of them"));
                 }
@@ -136,7 +136,8 @@ impl Reader for TektronixWfm {
                 start: start - late,
                 step,
                 time_unit: fields.text(layout.implicit + 20, 20),
-                values: decoded(samples, kind, each, fields.big_endian)
+                values: kind
+                    .numbers(samples, fields.big_endian)
                     .into_iter()
                     .map(|n| gain * n + offset)
                     .collect(),
@@ -164,32 +165,4 @@ impl Layout {
             curve: times + 2 * 12 + 24,
         }
     }
-}
-
-fn decoded(bytes: &[u8], kind: &str, each: usize, big_endian: bool) -> Vec<f64> {
-    let of = |sample: &[u8]| {
-        let mut wide = [0_u8; 8];
-        // little-endian, padded with zeros
-        for (to, from) in wide.iter_mut().zip(sample.iter().rev()) {
-            *to = *from;
-        }
-        if !big_endian {
-            for (to, from) in wide.iter_mut().zip(sample) {
-                *to = *from;
-            }
-        }
-        let [a, b, c, d, ..] = wide;
-        let (two, four) = ([a, b], [a, b, c, d]);
-        match kind {
-            "i16" => f64::from(i16::from_le_bytes(two)),
-            "i32" => f64::from(i32::from_le_bytes(four)),
-            "u32" => f64::from(u32::from_le_bytes(four)),
-            "f32" => f64::from(f32::from_le_bytes(four)),
-            "f64" => f64::from_le_bytes(wide),
-            "u8" => f64::from(a),
-            "i8" => f64::from(a.cast_signed()),
-            _ => u64::from_le_bytes(wide) as f64,
-        }
-    };
-    bytes.chunks_exact(each).map(of).collect()
 }

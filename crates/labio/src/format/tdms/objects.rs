@@ -7,6 +7,7 @@ use super::malformed;
 use super::numbers::Numbers;
 use super::segment::Segment;
 use super::value::{Sample, Value};
+use crate::format::number_type::NumberType;
 use crate::{LabioError, Place};
 
 const NO_RAW_DATA: u32 = u32::MAX;
@@ -313,7 +314,11 @@ fn daqmx_index(digital: bool, n: u64, bytes: &mut Bytes<'_>) -> Result<RawIndex,
         }
         let scale = bytes.u32(FIELD)?;
         scalers.push(Scaler {
-            sample: if digital { Sample::U8 } else { sample },
+            sample: if digital {
+                Sample::Number(NumberType::U8)
+            } else {
+                sample
+            },
             buffer,
             byte: index(if digital { offset / 8 } else { offset }),
             bit: digital.then_some(offset % 8),

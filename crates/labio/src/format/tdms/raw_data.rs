@@ -1,12 +1,15 @@
 //! Raw data of a segment: numbers channel by channel, in rows with all channels, or in the buffers
 //! of a DAQmx device.
 
+use std::borrow::Cow;
+
 use super::bytes::Bytes;
 use super::malformed;
 use super::objects::{Objects, RawIndex, Scaler};
 use super::segment::Segment;
 use super::value::{Sample, Timestamp};
 use crate::LabioError;
+use crate::format::number_type::NumberType;
 
 /// A run of numbers of one channel in a chunk.
 #[derive(Debug, Clone, Copy)]
@@ -315,7 +318,10 @@ fn append(
         return Err(malformed(
             object.index_place,
             "data type of raw data",
-            format!("{sample:?}"),
+            match sample {
+                Sample::Number(kind) => format!("{kind:?}"),
+                other => format!("{other:?}"),
+            },
             expected,
         ));
     }
@@ -351,9 +357,10 @@ fn append_scaler(
     let mut first_time = numbers.first_time;
     let values = numbers.of_scale(scaler.scale);
     match scaler.bit {
-        Some(bit) => each(rows, scaler.byte, width, |[byte]: [u8; 1]| {
-            values.push(f64::from(byte >> bit & 1));
-        }),
+        Some(bit) => {
+            let bytes = gathered(rows, scaler.byte, width, 1);
+            values.extend(bytes.iter().map(|byte| f64::from(byte >> bit & 1)));
+        }
         None => decode(
             scaler.sample,
             rows,
@@ -367,14 +374,15 @@ fn append_scaler(
     numbers.first_time = first_time;
 }
 
-/// Passes `take` the bytes at `offset` of each whole row.
-#[inline]
-fn each<const N: usize>(rows: &[u8], offset: usize, width: usize, mut take: impl FnMut([u8; N])) {
-    for row in rows.chunks_exact(width.max(1)) {
-        if let Some(bytes) = row.get(offset..).and_then(|tail| tail.first_chunk::<N>()) {
-            take(*bytes);
-        }
+/// Returns the `n` bytes at `offset` of each whole row.
+fn gathered(rows: &[u8], offset: usize, width: usize, n: usize) -> Cow<'_, [u8]> {
+    let (rows, _) = rows.split_at(rows.len() - rows.len() % width.max(1));
+    if width == n {
+        return Cow::Borrowed(rows);
     }
+    let rows = rows.chunks_exact(width.max(1));
+    let parts = rows.filter_map(|row| row.get(offset..offset.checked_add(n)?));
+    Cow::Owned(parts.flatten().copied().collect())
 }
 
 /// Appends the numbers at `offset` of each whole row as doubles: exactly, except for 64-bit
@@ -388,58 +396,18 @@ fn decode(
     values: &mut Vec<f64>,
     first_time: &mut Option<Timestamp>,
 ) {
-    macro_rules! numbers {
-        ($kind:ty) => {
-            if big_endian {
-                each(rows, offset, width, |bytes| {
-                    values.push(<$kind>::from_be_bytes(bytes) as f64)
-                });
-            } else {
-                each(rows, offset, width, |bytes| {
-                    values.push(<$kind>::from_le_bytes(bytes) as f64)
-                });
-            }
-        };
-    }
+    let bytes = gathered(rows, offset, width, sample.size());
     match sample {
-        Sample::I8 => numbers!(i8),
-        Sample::I16 => numbers!(i16),
-        Sample::I32 => numbers!(i32),
-        Sample::I64 => numbers!(i64),
-        Sample::U8 => numbers!(u8),
-        Sample::U16 => numbers!(u16),
-        Sample::U32 => numbers!(u32),
-        Sample::U64 => numbers!(u64),
-        Sample::F32 => numbers!(f32),
-        Sample::F64 => numbers!(f64),
-        Sample::Boolean => each(rows, offset, width, |[byte]: [u8; 1]| {
-            values.push(f64::from(u8::from(byte != 0)));
-        }),
-        Sample::Complex32 => each(rows, offset, width, |bytes: [u8; 8]| {
-            let (halves, _) = bytes.as_chunks::<4>();
-            values.extend(halves.iter().map(|&half| {
-                f64::from(if big_endian {
-                    f32::from_be_bytes(half)
-                } else {
-                    f32::from_le_bytes(half)
-                })
-            }));
-        }),
-        Sample::Complex64 => each(rows, offset, width, |bytes: [u8; 16]| {
-            let (halves, _) = bytes.as_chunks::<8>();
-            values.extend(halves.iter().map(|&half| {
-                if big_endian {
-                    f64::from_be_bytes(half)
-                } else {
-                    f64::from_le_bytes(half)
-                }
-            }));
-        }),
-        Sample::Timestamp => each(rows, offset, width, |bytes: [u8; 16]| {
-            if let Ok(time) = Timestamp::read(&mut Bytes::new(&bytes, 0, big_endian), "time") {
+        Sample::Number(kind) => kind.append(&bytes, big_endian, values),
+        Sample::Complex32 => NumberType::F32.append(&bytes, big_endian, values),
+        Sample::Complex64 => NumberType::F64.append(&bytes, big_endian, values),
+        Sample::Boolean => values.extend(bytes.iter().map(|&byte| f64::from(u8::from(byte != 0)))),
+        Sample::Timestamp => {
+            let mut bytes = Bytes::new(&bytes, 0, big_endian);
+            while let Ok(time) = Timestamp::read(&mut bytes, "time") {
                 values.push(time.since(*first_time.get_or_insert(time)));
             }
-        }),
+        }
         Sample::Opaque(_) => {}
     }
 }

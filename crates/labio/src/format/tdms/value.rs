@@ -3,20 +3,14 @@
 use super::bytes::Bytes;
 use super::malformed;
 use crate::LabioError;
+use crate::format::number_type::NumberType::{
+    self, F32, F64, I8, I16, I32, I64, U8, U16, U32, U64,
+};
 
 /// Type of one number of raw data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sample {
-    I8,
-    I16,
-    I32,
-    I64,
-    U8,
-    U16,
-    U32,
-    U64,
-    F32,
-    F64,
+    Number(NumberType),
     Boolean,
     Timestamp,
     Complex32,
@@ -29,16 +23,16 @@ impl Sample {
     /// Returns the raw data type with this code; `None` for text and for types without a size.
     pub(super) fn of_code(code: u32) -> Option<Self> {
         Some(match code {
-            1 => Self::I8,
-            2 => Self::I16,
-            3 => Self::I32,
-            4 => Self::I64,
-            5 => Self::U8,
-            6 => Self::U16,
-            7 => Self::U32,
-            8 => Self::U64,
-            9 | 0x19 => Self::F32,
-            10 | 0x1a => Self::F64,
+            1 => Self::Number(I8),
+            2 => Self::Number(I16),
+            3 => Self::Number(I32),
+            4 => Self::Number(I64),
+            5 => Self::Number(U8),
+            6 => Self::Number(U16),
+            7 => Self::Number(U32),
+            8 => Self::Number(U64),
+            9 | 0x19 => Self::Number(F32),
+            10 | 0x1a => Self::Number(F64),
             11 | 0x1b => Self::Opaque(16),
             0x21 => Self::Boolean,
             0x44 => Self::Timestamp,
@@ -51,16 +45,16 @@ impl Sample {
     /// Returns the type with this code of a DAQmx scaler; these codes have a separate numbering.
     pub(super) fn of_daqmx_code(code: u32) -> Option<Self> {
         Some(match code {
-            0 => Self::U8,
-            1 => Self::I8,
-            2 => Self::U16,
-            3 => Self::I16,
-            4 => Self::U32,
-            5 => Self::I32,
-            6 => Self::U64,
-            7 => Self::I64,
-            8 => Self::F32,
-            9 => Self::F64,
+            0 => Self::Number(U8),
+            1 => Self::Number(I8),
+            2 => Self::Number(U16),
+            3 => Self::Number(I16),
+            4 => Self::Number(U32),
+            5 => Self::Number(I32),
+            6 => Self::Number(U64),
+            7 => Self::Number(I64),
+            8 => Self::Number(F32),
+            9 => Self::Number(F64),
             u32::MAX => Self::Timestamp,
             _ => return None,
         })
@@ -69,10 +63,9 @@ impl Sample {
     /// Number of bytes.
     pub(super) fn size(self) -> usize {
         match self {
-            Self::I8 | Self::U8 | Self::Boolean => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 | Self::Complex32 => 8,
+            Self::Number(kind) => kind.size(),
+            Self::Boolean => 1,
+            Self::Complex32 => 8,
             Self::Timestamp | Self::Complex64 => 16,
             Self::Opaque(size) => size,
         }

@@ -4,6 +4,8 @@ use super::header::{BinaryForm, Header, malformed};
 use super::lines::Lines;
 use super::{ByteOrder, FORMAT};
 use crate::LabioError;
+use crate::error::not_representable;
+use crate::format::number_type::NumberType;
 
 /// Layout of the numbers of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -152,20 +154,11 @@ fn decode(block: &[u8], packing: Packing, order: ByteOrder, values: &mut Vec<f64
 }
 
 fn decode_run(bytes: &[u8], width: usize, order: ByteOrder, values: &mut Vec<f64>) {
-    let (eights, _) = bytes.as_chunks::<8>();
-    let (fours, _) = bytes.as_chunks::<4>();
-    match (width, order) {
-        (8, ByteOrder::LittleEndian) => {
-            values.extend(eights.iter().map(|&b| f64::from_le_bytes(b)));
-        }
-        (8, ByteOrder::BigEndian) => values.extend(eights.iter().map(|&b| f64::from_be_bytes(b))),
-        (_, ByteOrder::LittleEndian) => {
-            values.extend(fours.iter().map(|&b| f64::from(f32::from_le_bytes(b))));
-        }
-        (_, ByteOrder::BigEndian) => {
-            values.extend(fours.iter().map(|&b| f64::from(f32::from_be_bytes(b))));
-        }
-    }
+    let kind = match width {
+        8 => NumberType::F64,
+        _ => NumberType::F32,
+    };
+    kind.append(bytes, order == ByteOrder::BigEndian, values);
 }
 
 /// Returns the number of bytes of a block as written: every number in the precision of the
@@ -211,10 +204,10 @@ impl<'a> BlockWriter<'a> {
         )]
         let single = value as f32;
         if single.is_infinite() && value.is_finite() {
-            return Err(LabioError::NotRepresentable {
-                format: FORMAT,
-                what: format!("{value:e} in single precision"),
-            });
+            return Err(not_representable(
+                FORMAT,
+                format!("{value:e} in single precision"),
+            ));
         }
         self.output.extend(match self.order {
             ByteOrder::LittleEndian => single.to_le_bytes(),

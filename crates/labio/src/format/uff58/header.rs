@@ -4,6 +4,7 @@ use super::fortran_real;
 use super::lines::{Line, Lines, decode};
 use super::{ByteOrder, FORMAT};
 use crate::error;
+use crate::error::not_representable;
 use crate::{LabioError, Place};
 
 /// Number of records before the data.
@@ -399,10 +400,7 @@ impl Header {
 }
 
 fn cannot(what: String) -> LabioError {
-    LabioError::NotRepresentable {
-        format: FORMAT,
-        what,
-    }
+    not_representable(FORMAT, what)
 }
 
 /// Formats `value` right-aligned.

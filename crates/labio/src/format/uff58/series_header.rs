@@ -7,7 +7,10 @@ use num_complex::Complex64;
 
 use super::header::{AXES, AxisRecord, BinaryForm, DegreeOfFreedom, Header};
 use super::{ByteOrder, Encoding, FORMAT, Precision, binary_block};
-use crate::{Abscissa, Dimension, LabioError, Ordinate, Series, SeriesAxis, SeriesKind, Unit};
+use crate::error::{check_count, not_representable};
+use crate::format::kind::{function_type, kind_of_number};
+use crate::format::text;
+use crate::{Abscissa, Dimension, LabioError, Ordinate, Series, SeriesAxis, Unit};
 
 const PREFIX: &str = "uff58.";
 const ASCII: &str = "ascii";
@@ -38,42 +41,6 @@ const fn dimension(length: i8, mass: i8, time: i8) -> Dimension {
     }
 }
 
-pub(super) fn kind(function_type: u8) -> SeriesKind {
-    match function_type {
-        0 => SeriesKind::General,
-        1 => SeriesKind::TimeResponse,
-        2 => SeriesKind::AutoSpectrum,
-        3 => SeriesKind::CrossSpectrum,
-        4 => SeriesKind::FrequencyResponse,
-        5 => SeriesKind::Transmissibility,
-        6 => SeriesKind::Coherence,
-        7 => SeriesKind::AutoCorrelation,
-        8 => SeriesKind::CrossCorrelation,
-        9 => SeriesKind::PowerSpectralDensity,
-        10 => SeriesKind::EnergySpectralDensity,
-        12 => SeriesKind::Spectrum,
-        other => SeriesKind::Other(other),
-    }
-}
-
-pub(super) fn function_type(kind: SeriesKind) -> u8 {
-    match kind {
-        SeriesKind::General => 0,
-        SeriesKind::TimeResponse => 1,
-        SeriesKind::AutoSpectrum => 2,
-        SeriesKind::CrossSpectrum => 3,
-        SeriesKind::FrequencyResponse => 4,
-        SeriesKind::Transmissibility => 5,
-        SeriesKind::Coherence => 6,
-        SeriesKind::AutoCorrelation => 7,
-        SeriesKind::CrossCorrelation => 8,
-        SeriesKind::PowerSpectralDensity => 9,
-        SeriesKind::EnergySpectralDensity => 10,
-        SeriesKind::Spectrum => 12,
-        SeriesKind::Other(number) => number,
-    }
-}
-
 /// Number of numbers per point.
 pub(super) fn numbers_per_point(header: &Header) -> usize {
     usize::from(!header.even) + if header.complex { 2 } else { 1 }
@@ -98,45 +65,33 @@ pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64
         label: ordinate.label,
         unit_text: ordinate.unit,
     };
-    let (abscissa, ordinate) = if header.even {
-        let abscissa = Abscissa::Even {
-            start: header.start,
-            step: header.step,
-        };
-        let ordinate = if header.complex {
-            let (points, _) = values.as_chunks::<2>();
-            Ordinate::Complex(
-                points
-                    .iter()
-                    .map(|&[re, im]| Complex64::new(re, im))
-                    .collect(),
-            )
-        } else {
-            Ordinate::Real(values)
-        };
-        (abscissa, ordinate)
-    } else if header.complex {
-        let (points, _) = values.as_chunks::<3>();
-        (
-            Abscissa::Uneven(points.iter().map(|&[x, _, _]| x).collect()),
-            Ordinate::Complex(
-                points
-                    .iter()
-                    .map(|&[_, re, im]| Complex64::new(re, im))
-                    .collect(),
-            ),
-        )
-    } else {
-        let (points, _) = values.as_chunks::<2>();
-        (
-            Abscissa::Uneven(points.iter().map(|&[x, _]| x).collect()),
-            Ordinate::Real(points.iter().map(|&[_, y]| y).collect()),
-        )
+    let even = Abscissa::Even {
+        start: header.start,
+        step: header.step,
+    };
+    let (abscissa, ordinate) = match (header.even, header.complex) {
+        (true, false) => (even, Ordinate::Real(values)),
+        (true, true) => {
+            let points = values.as_chunks::<2>().0.iter();
+            let ordinates = points.map(|&[re, im]| Complex64::new(re, im));
+            (even, Ordinate::Complex(ordinates.collect()))
+        }
+        (false, false) => {
+            let points = values.as_chunks::<2>().0.iter();
+            let (abscissae, ordinates) = points.map(|&[x, y]| (x, y)).unzip();
+            (Abscissa::Uneven(abscissae), Ordinate::Real(ordinates))
+        }
+        (false, true) => {
+            let points = values.as_chunks::<3>().0.iter();
+            let points = points.map(|&[x, re, im]| (x, Complex64::new(re, im)));
+            let (abscissae, ordinates) = points.unzip();
+            (Abscissa::Uneven(abscissae), Ordinate::Complex(ordinates))
+        }
     };
     let [name, ..] = header.id_lines;
     Series {
         name,
-        kind: kind(header.function_type),
+        kind: kind_of_number(header.function_type),
         abscissa,
         ordinate,
         abscissa_axis,
@@ -148,15 +103,11 @@ pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64
 /// Returns the unit of an axis. Times and frequencies need no text: they are in seconds and hertz
 /// in every unit system of universal files.
 fn unit_of(axis: &AxisRecord) -> Option<Unit> {
-    let text = match (axis.unit.as_str(), axis.data_type) {
+    text::known_unit(match (axis.unit.as_str(), axis.data_type) {
         ("", TIME) => "s",
         ("", FREQUENCY) => "Hz",
         (text, _) => text,
-    };
-    if text.is_empty() {
-        return None;
-    }
-    Unit::parse(text).ok()
+    })
 }
 
 /// Returns the degree of freedom of the response of a series read from a file, for example
@@ -295,10 +246,7 @@ impl Properties<'_> {
 }
 
 fn cannot(key: &str, value: &str) -> LabioError {
-    LabioError::NotRepresentable {
-        format: FORMAT,
-        what: format!("`{value}` as {PREFIX}{key}"),
-    }
+    not_representable(FORMAT, format!("`{value}` as {PREFIX}{key}"))
 }
 
 /// Creates the header of `series` and, for a 58b, the fields of the identifier line.
@@ -317,13 +265,7 @@ pub(super) fn header(
     let (even, start, step) = match &series.abscissa {
         Abscissa::Even { start, step } => (true, *start, *step),
         Abscissa::Uneven(values) => {
-            if values.len() != n_points {
-                return Err(LabioError::CountMismatch {
-                    what: "abscissa values of a series",
-                    found: values.len(),
-                    expected: n_points,
-                });
-            }
+            check_count("abscissa values of a series", values.len(), n_points)?;
             (false, 0.0, 0.0)
         }
     };

@@ -8,7 +8,7 @@ use ndarray::Array2;
 
 use super::FORMAT;
 use super::layout::Layout;
-use crate::error::check_positive;
+use crate::error::{check_count, check_positive, non_finite_sample, truncated};
 use crate::format::{Strictness, opened};
 use crate::{BlockSource, Channel, LabioError};
 
@@ -87,13 +87,7 @@ impl<R: Read + Seek> Blocks<R> {
             ("channels for those of the file", channels.len()),
             ("full scales for the channels of the file", full_scale.len()),
         ] {
-            if found != n_channels {
-                return Err(LabioError::CountMismatch {
-                    what,
-                    found,
-                    expected: n_channels,
-                });
-            }
+            check_count(what, found, n_channels)?;
         }
         for &scale in full_scale {
             check_positive("full scale [SI unit of the channel]", scale)?;
@@ -129,13 +123,8 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
 
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
         let n_channels = self.channels.len();
-        if block.nrows() != n_channels {
-            return Err(LabioError::CountMismatch {
-                what: "rows of the block, one per channel",
-                found: block.nrows(),
-                expected: n_channels,
-            });
-        }
+        let n_rows = block.nrows();
+        check_count("rows of the block, one per channel", n_rows, n_channels)?;
         let frame = self.layout.frame_bytes();
         let wanted = usize::try_from(self.frames_left)
             .unwrap_or(usize::MAX)
@@ -148,12 +137,7 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
             };
             self.source.read_exact(bytes).map_err(|source| {
                 if source.kind() == std::io::ErrorKind::UnexpectedEof {
-                    LabioError::Truncated {
-                        format: FORMAT,
-                        missing_bytes: usize::try_from(self.frames_left)
-                            .unwrap_or(usize::MAX)
-                            .saturating_mul(frame),
-                    }
+                    truncated(FORMAT, self.frames_left.saturating_mul(frame as u64))
                 } else {
                     LabioError::Read { source }
                 }
@@ -177,14 +161,13 @@ impl<R: Read + Seek> BlockSource for Blocks<R> {
             if let Some((row, column, value)) = unread {
                 let read = self.n_samples().unwrap_or(0) - self.frames_left;
                 let first = usize::try_from(read).unwrap_or(usize::MAX) - done;
-                return Err(LabioError::NonFiniteSample {
-                    channel: self
-                        .channels
+                return non_finite_sample(
+                    self.channels
                         .get(row)
                         .map_or(String::new(), |channel| channel.name().to_owned()),
-                    index: first.saturating_add(column),
+                    first.saturating_add(column),
                     value,
-                });
+                );
             }
             done += frames;
             self.frames_left -= frames as u64;

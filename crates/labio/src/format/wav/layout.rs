@@ -3,6 +3,7 @@
 use std::io::{Read, Seek, SeekFrom};
 
 use super::{FORMAT, WavEncoding};
+use crate::error::{self, truncated};
 use crate::format::{Strictness, text};
 use crate::{LabioError, Place};
 
@@ -48,13 +49,7 @@ impl Layout {
         strictness: Strictness,
         defects: &mut Vec<LabioError>,
     ) -> Result<Self, LabioError> {
-        let mut defect = |error| match strictness {
-            Strictness::Strict => Err(error),
-            Strictness::Tolerant => {
-                defects.push(error);
-                Ok(())
-            }
-        };
+        let mut defect = |error| strictness.pass_over(error, defects);
         let mut chunks = Chunks::new(source)?;
         chunks.check_end(&mut defect)?;
         let (mut sound, mut data) = (None, None);
@@ -73,11 +68,7 @@ impl Layout {
                         ));
                     };
                     if there < chunk.length {
-                        defect(LabioError::Truncated {
-                            format: FORMAT,
-                            missing_bytes: usize::try_from(chunk.length - there)
-                                .unwrap_or(usize::MAX),
-                        })?;
+                        defect(truncated(FORMAT, chunk.length - there))?;
                     }
                     let frame = u64::from(sound.n_channels) * u64::from(sound.encoding.bytes());
                     let torn = there % frame;
@@ -128,13 +119,7 @@ impl Layout {
 }
 
 fn malformed(byte: u64, field: &str, found: &str, expected: &str) -> LabioError {
-    LabioError::Malformed {
-        format: FORMAT,
-        place: Place::Byte(byte),
-        field: field.to_owned(),
-        found: found.to_owned(),
-        expected: expected.to_owned(),
-    }
+    error::malformed(FORMAT, Place::Byte(byte), field, found, expected)
 }
 
 fn io(source: std::io::Error) -> LabioError {
@@ -213,17 +198,14 @@ impl<'a, R: Read + Seek> Chunks<'a, R> {
         defect: &mut dyn FnMut(LabioError) -> Result<(), LabioError>,
     ) -> Result<(), LabioError> {
         let announced = self.announced_end.unwrap_or(self.file_length);
-        let count = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
+        let extra = self.file_length.saturating_sub(announced);
         if announced > self.file_length {
-            defect(LabioError::Truncated {
-                format: FORMAT,
-                missing_bytes: count(announced - self.file_length),
-            })?;
-        } else if self.file_length - announced > 1 {
+            defect(truncated(FORMAT, announced - self.file_length))?;
+        } else if extra > 1 {
             // one byte may pad the file to an even length
             defect(LabioError::TrailingBytes {
                 format: FORMAT,
-                extra_bytes: count(self.file_length - announced),
+                extra_bytes: usize::try_from(extra).unwrap_or(usize::MAX),
             })?;
         } else {
             self.end = announced;
@@ -234,10 +216,7 @@ impl<'a, R: Read + Seek> Chunks<'a, R> {
     fn bytes<const N: usize>(&mut self, at: u64) -> Result<[u8; N], LabioError> {
         let missing = (at + N as u64).saturating_sub(self.file_length);
         if missing > 0 {
-            return Err(LabioError::Truncated {
-                format: FORMAT,
-                missing_bytes: usize::try_from(missing).unwrap_or(usize::MAX),
-            });
+            return Err(truncated(FORMAT, missing));
         }
         let mut bytes = [0; N];
         self.source.seek(SeekFrom::Start(at)).map_err(io)?;

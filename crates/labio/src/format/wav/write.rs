@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use super::{FORMAT, Wav, WavEncoding, channels_comment, default_channels};
+use crate::error::not_representable;
 use crate::format::Writer;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
@@ -70,10 +71,7 @@ impl Writer for Wav {
 }
 
 fn cannot_hold(what: impl Into<String>) -> LabioError {
-    LabioError::NotRepresentable {
-        format: FORMAT,
-        what: what.into(),
-    }
+    not_representable(FORMAT, what.into())
 }
 
 /// Contents that have been checked to be representable in the format.

@@ -1,145 +1,46 @@
 //! Conversion of columns to numbers.
 
-use super::digit;
-
-/// The powers of ten that are exact as `f64`.
-const POWERS_OF_TEN: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-];
+use std::borrow::Cow;
 
 /// Parses the number in `field`, correctly rounded. Blanks around it are ignored; `None` if the
 /// field is blank or not a number.
 ///
 /// The exponent may be written with `E`, `D` or `Q` in upper or lower case, or with its sign alone
-/// (`1.5-101`), as Fortran writes exponents of three digits.
+/// (`1.5-101`), as Fortran writes exponents of three digits. `NaN` and `Infinity` are numbers.
 pub(in crate::format::uff58) fn parse(field: &[u8]) -> Option<f64> {
-    let text = field.trim_ascii();
-    let (negative, digits) = match text.split_first()? {
-        (b'-', rest) => (true, rest),
-        (b'+', rest) => (false, rest),
-        _ => (false, text),
-    };
-    let mut mantissa: u64 = 0;
-    let mut n_digits = 0_usize;
-    let mut decimals: i32 = 0;
-    let mut after_point = false;
-    let mut rest = digits;
-    while let Some((&byte, tail)) = rest.split_first() {
-        match byte {
-            b'0'..=b'9' => {
-                n_digits += 1;
-                // 19 digits fit; numbers with more digits are left to the standard library below
-                mantissa = mantissa
-                    .wrapping_mul(10)
-                    .wrapping_add(u64::from(byte - b'0'));
-                decimals += i32::from(after_point);
-            }
-            b'.' if !after_point => after_point = true,
-            _ => break,
-        }
-        rest = tail;
-    }
-    if n_digits == 0 {
-        return word(text);
-    }
-    let written_exponent = exponent(rest)?;
-    let power = written_exponent - decimals;
-    let exact_power = usize::try_from(power.unsigned_abs())
-        .ok()
-        .and_then(|p| POWERS_OF_TEN.get(p));
-    if let (true, Some(scale)) = (n_digits <= 19 && mantissa < (1 << 53), exact_power) {
-        // both factors are exact doubles, so that only one rounding occurs
-        let mantissa = mantissa as f64;
-        let magnitude = if power < 0 {
-            mantissa / scale
-        } else {
-            mantissa * scale
-        };
-        return Some(if negative { -magnitude } else { magnitude });
-    }
-    let digits = digits.get(..digits.len() - rest.len())?;
-    by_standard_library(negative, digits, written_exponent)
+    let text = std::str::from_utf8(field.trim_ascii()).ok()?;
+    let value: f64 = text.parse().ok().or_else(|| respelt(text)?.parse().ok())?;
+    let has_overflowed = !value.is_finite() && text.bytes().any(|byte| byte.is_ascii_digit());
+    (!has_overflowed).then_some(value)
 }
 
 /// Returns half a unit of the last digit of the number in `field`, its largest rounding error.
 pub(in crate::format::uff58) fn half_unit(field: &[u8]) -> Option<f64> {
-    let text = field.trim_ascii();
-    let unsigned = text
-        .strip_prefix(b"-")
-        .or(text.strip_prefix(b"+"))
-        .unwrap_or(text);
-    let end = unsigned
-        .iter()
-        .position(|byte| !matches!(byte, b'0'..=b'9' | b'.'));
-    let (digits, rest) = unsigned.split_at(end.unwrap_or(unsigned.len()));
-    let point = digits.iter().position(|byte| *byte == b'.');
-    let decimals = point.map_or(0, |point| digits.len() - point - 1);
-    let power = exponent(rest)?.checked_sub(i32::try_from(decimals).ok()?)?;
-    by_standard_library(false, b"0.5", power)
+    let text = std::str::from_utf8(field.trim_ascii()).ok()?;
+    let text = respelt(text).map_or(Cow::Borrowed(text), Cow::Owned);
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((&text, "0"));
+    let decimals = mantissa
+        .split_once('.')
+        .map_or(0, |(_, digits)| digits.len());
+    let power = exponent
+        .parse::<i32>()
+        .ok()?
+        .checked_sub(i32::try_from(decimals).ok()?)?;
+    let half: f64 = format!("0.5e{power}").parse().ok()?;
+    half.is_finite().then_some(half)
 }
 
-/// Parses the exponent in `rest`; an empty text means 0.
-fn exponent(rest: &[u8]) -> Option<i32> {
-    let (&first, tail) = match rest.split_first() {
-        None => return Some(0),
-        Some(split) => split,
-    };
-    let signed = match first {
-        b'E' | b'e' | b'D' | b'd' | b'Q' | b'q' => tail,
-        b'+' | b'-' => rest,
-        _ => return None,
-    };
-    let (negative, digits) = match signed.split_first()? {
-        (b'-', digits) => (true, digits),
-        (b'+', digits) => (false, digits),
-        _ => (false, signed),
-    };
-    if digits.is_empty() || digits.len() > 5 {
+/// Respells an exponent that is written without `E`; `None` if there is none.
+fn respelt(text: &str) -> Option<String> {
+    if text.contains(['e', 'E']) {
         return None;
     }
-    let mut value = 0_i32;
-    for byte in digits {
-        if !byte.is_ascii_digit() {
-            return None;
-        }
-        value = value * 10 + i32::from(byte - b'0');
-    }
-    Some(if negative { -value } else { value })
-}
-
-/// Converts numbers with many digits or a large exponent; `None` on overflow.
-fn by_standard_library(negative: bool, digits: &[u8], exponent: i32) -> Option<f64> {
-    let mut text = Vec::with_capacity(digits.len() + 8);
-    if negative {
-        text.push(b'-');
-    }
-    text.extend(digits);
-    text.push(b'e');
-    if exponent < 0 {
-        text.push(b'-');
-    }
-    let mut place = 10_000;
-    while place > 0 {
-        text.push(digit(u64::from(exponent.unsigned_abs() / place % 10)));
-        place /= 10;
-    }
-    let value: f64 = std::str::from_utf8(&text).ok()?.parse().ok()?;
-    value.is_finite().then_some(value)
-}
-
-/// Recognises Fortran's words for non-finite values.
-fn word(text: &[u8]) -> Option<f64> {
-    let is = |word: &str| text.eq_ignore_ascii_case(word.as_bytes());
-    if is("nan") {
-        Some(f64::NAN)
-    } else if is("inf") || is("+inf") || is("infinity") || is("+infinity") {
-        Some(f64::INFINITY)
-    } else if is("-inf") || is("-infinity") {
-        Some(f64::NEG_INFINITY)
-    } else {
-        None
-    }
+    let at = text.get(1..)?.find(['D', 'd', 'Q', 'q', '+', '-'])? + 1;
+    let (mantissa, exponent) = text.split_at(at);
+    let exponent = exponent
+        .strip_prefix(['D', 'd', 'Q', 'q'])
+        .unwrap_or(exponent);
+    Some(format!("{mantissa}e{exponent}"))
 }
 
 #[cfg(test)]

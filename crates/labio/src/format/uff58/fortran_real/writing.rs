@@ -36,12 +36,9 @@ pub(in crate::format::uff58) fn push<const WIDTH: usize, const DIGITS: u32>(
         end -= 1;
         put(&mut field, end, [digit(u64::from(rest % 10))]);
         rest /= 10;
-        end -= 2;
-        put(&mut field, end, pair(u64::from(rest)));
-    } else {
-        end -= 2;
-        put(&mut field, end, pair(u64::from(rest)));
     }
+    end -= 2;
+    put(&mut field, end, pair(u64::from(rest)));
     end -= 2;
     put(
         &mut field,
@@ -80,25 +77,8 @@ fn put<const N: usize>(field: &mut [u8], at: usize, bytes: [u8; N]) {
 
 /// Returns the two digits of a number below 100.
 #[inline]
-#[allow(
-    clippy::indexing_slicing,
-    reason = "a table made by the compiler, which would refuse an index beyond it"
-)]
 fn pair(value: u64) -> [u8; 2] {
-    const PAIRS: [[u8; 2]; 100] = {
-        let mut pairs = [[0; 2]; 100];
-        let mut value = 0_u8;
-        while value < 100 {
-            pairs[value as usize] = [b'0' + value / 10, b'0' + value % 10];
-            value += 1;
-        }
-        pairs
-    };
-    usize::try_from(value)
-        .ok()
-        .and_then(|value| PAIRS.get(value))
-        .copied()
-        .unwrap_or(*b"00")
+    [digit(value / 10), digit(value % 10)]
 }
 
 /// Converts a number exactly by the standard library, with the exponent in Fortran's form.
