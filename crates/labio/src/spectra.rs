@@ -326,14 +326,6 @@ impl AveragedSpectra {
         Ok(!lacks.copied().unwrap_or(false))
     }
 
-    /// Relative random error of the lines of an auto-spectrum: $`1/\sqrt{n_e}`$ with $`n_e`$ the
-    /// [`AveragedSpectra::effective_averages`]; it is greater by a factor of $`\sqrt2`$ at 0 Hz and
-    /// at the Nyquist frequency.
-    #[must_use]
-    pub fn auto_random_error(&self) -> f64 {
-        self.effective_averages.sqrt().recip()
-    }
-
     #[allow(
         clippy::indexing_slicing,
         reason = "the index that `find` returns for a channel is also the index of its lines"

@@ -35,11 +35,9 @@ impl Rating {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`] if it is negative or not finite.
-    pub fn with_uncertainty(self, standard_uncertainty: f64) -> Result<Self, LabioError> {
-        Ok(Self {
-            uncertainty: check_not_negative("standard uncertainty", standard_uncertainty)?,
-            ..self
-        })
+    pub fn with_uncertainty(mut self, standard_uncertainty: f64) -> Result<Self, LabioError> {
+        self.uncertainty = check_not_negative("standard uncertainty", standard_uncertainty)?;
+        Ok(self)
     }
 
     /// The number 1.

@@ -156,11 +156,9 @@ impl SensorChain {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`] if it is not finite.
-    pub fn with_offset(self, offset: f64) -> Result<Self, LabioError> {
-        Ok(Self {
-            offset: check_finite("recorder offset", offset)?,
-            ..self
-        })
+    pub fn with_offset(mut self, offset: f64) -> Result<Self, LabioError> {
+        self.offset = check_finite("recorder offset", offset)?;
+        Ok(self)
     }
 
     /// Sets the time skew: the delay \[s\] of the samples relative to the record's time axis.
@@ -168,11 +166,9 @@ impl SensorChain {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`] if it is not finite.
-    pub fn with_time_skew(self, time_skew: f64) -> Result<Self, LabioError> {
-        Ok(Self {
-            time_skew: check_finite("time skew [s]", time_skew)?,
-            ..self
-        })
+    pub fn with_time_skew(mut self, time_skew: f64) -> Result<Self, LabioError> {
+        self.time_skew = check_finite("time skew [s]", time_skew)?;
+        Ok(self)
     }
 
     /// Sets the standard uncertainty of the time skew \[s\]; 0 by default.
@@ -180,14 +176,10 @@ impl SensorChain {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`] if it is not finite or negative.
-    pub fn with_time_skew_uncertainty(self, uncertainty: f64) -> Result<Self, LabioError> {
-        Ok(Self {
-            time_skew_uncertainty: check_not_negative(
-                "uncertainty of the time skew [s]",
-                uncertainty,
-            )?,
-            ..self
-        })
+    pub fn with_time_skew_uncertainty(mut self, uncertainty: f64) -> Result<Self, LabioError> {
+        self.time_skew_uncertainty =
+            check_not_negative("uncertainty of the time skew [s]", uncertainty)?;
+        Ok(self)
     }
 
     /// Sets the position of the sensor.
@@ -195,43 +187,35 @@ impl SensorChain {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`] if the coordinate is not finite or its uncertainty negative.
-    pub fn with_position(self, position: Position) -> Result<Self, LabioError> {
+    pub fn with_position(mut self, position: Position) -> Result<Self, LabioError> {
         check_finite("sensor position [m]", position.x)?;
         check_not_negative(
             "uncertainty of the sensor position [m]",
             position.standard_uncertainty,
         )?;
-        Ok(Self {
-            position: Some(position),
-            ..self
-        })
+        self.position = Some(position);
+        Ok(self)
     }
 
     /// Sets the direction in which the sensor measures.
     #[must_use]
-    pub fn with_direction(self, direction: Direction) -> Self {
-        Self {
-            direction: Some(direction),
-            ..self
-        }
+    pub fn with_direction(mut self, direction: Direction) -> Self {
+        self.direction = Some(direction);
+        self
     }
 
     /// Sets the serial number of the sensor.
     #[must_use]
-    pub fn with_serial(self, serial: impl Into<String>) -> Self {
-        Self {
-            serial: Some(serial.into()),
-            ..self
-        }
+    pub fn with_serial(mut self, serial: impl Into<String>) -> Self {
+        self.serial = Some(serial.into());
+        self
     }
 
     /// Sets the day of the calibration.
     #[must_use]
-    pub fn with_calibration_date(self, date: Date) -> Self {
-        Self {
-            calibrated_on: Some(date),
-            ..self
-        }
+    pub fn with_calibration_date(mut self, date: Date) -> Self {
+        self.calibrated_on = Some(date);
+        self
     }
 
     /// The transducer.

@@ -136,20 +136,16 @@ impl CsvDialect {
 
     /// Sets the line of the names, from 1.
     #[must_use]
-    pub fn with_names(self, line: u64) -> Self {
-        Self {
-            name_line: Some(line),
-            ..self
-        }
+    pub fn with_names(mut self, line: u64) -> Self {
+        self.name_line = Some(line);
+        self
     }
 
     /// Sets the line of the units, from 1.
     #[must_use]
-    pub fn with_units(self, line: u64) -> Self {
-        Self {
-            unit_line: Some(line),
-            ..self
-        }
+    pub fn with_units(mut self, line: u64) -> Self {
+        self.unit_line = Some(line);
+        self
     }
 
     /// Finds the dialect of a file from its content.
@@ -195,11 +191,9 @@ pub struct CsvOptions {
 impl CsvOptions {
     /// Sets the dialect.
     #[must_use]
-    pub fn with_dialect(self, dialect: CsvDialect) -> Self {
-        Self {
-            dialect: Some(dialect),
-            ..self
-        }
+    pub fn with_dialect(mut self, dialect: CsvDialect) -> Self {
+        self.dialect = Some(dialect);
+        self
     }
 
     /// Sets the abscissa.

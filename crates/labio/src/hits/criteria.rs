@@ -127,11 +127,9 @@ impl Criteria {
     /// Sets the channel in which double hits are searched for. The default is the channel that
     /// triggers, if it is a force.
     #[must_use]
-    pub fn with_force_channel(self, name: impl Into<String>) -> Self {
-        Self {
-            force_channel: Some(name.into()),
-            ..self
-        }
+    pub fn with_force_channel(mut self, name: impl Into<String>) -> Self {
+        self.force_channel = Some(name.into());
+        self
     }
 
     /// Sets the range of a channel, in the SI unit in which it was recorded. A channel is
@@ -157,12 +155,9 @@ impl Criteria {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`] if the limit is not positive.
-    pub fn with_peak_over_noise(self, limit: Option<f64>) -> Result<Self, LabioError> {
-        let peak_over_noise = checked("peak over noise", limit)?;
-        Ok(Self {
-            peak_over_noise,
-            ..self
-        })
+    pub fn with_peak_over_noise(mut self, limit: Option<f64>) -> Result<Self, LabioError> {
+        self.peak_over_noise = checked("peak over noise", limit)?;
+        Ok(self)
     }
 
     /// Sets the fraction of the larger peak above which a second contact counts as a double hit.
@@ -180,12 +175,9 @@ impl Criteria {
     /// # Errors
     ///
     /// [`LabioError::TooFewSamples`] for fewer than two.
-    pub fn with_clipped_run(self, limit: Option<usize>) -> Result<Self, LabioError> {
-        let clipped_run = counted("a run of clipped samples", limit)?;
-        Ok(Self {
-            clipped_run,
-            ..self
-        })
+    pub fn with_clipped_run(mut self, limit: Option<usize>) -> Result<Self, LabioError> {
+        self.clipped_run = counted("a run of clipped samples", limit)?;
+        Ok(self)
     }
 
     /// Sets the number of equal samples within a movement that count as a drop-out.
@@ -193,12 +185,9 @@ impl Criteria {
     /// # Errors
     ///
     /// [`LabioError::TooFewSamples`] for fewer than two.
-    pub fn with_drop_out_run(self, limit: Option<usize>) -> Result<Self, LabioError> {
-        let drop_out_run = counted("a run of lost samples", limit)?;
-        Ok(Self {
-            drop_out_run,
-            ..self
-        })
+    pub fn with_drop_out_run(mut self, limit: Option<usize>) -> Result<Self, LabioError> {
+        self.drop_out_run = counted("a run of lost samples", limit)?;
+        Ok(self)
     }
 
     /// Sets the largest accepted rest level, as a fraction of the peak.
@@ -206,12 +195,9 @@ impl Criteria {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`].
-    pub fn with_static_offset(self, limit: Option<f64>) -> Result<Self, LabioError> {
-        let static_offset = checked("static offset over peak", limit)?;
-        Ok(Self {
-            static_offset,
-            ..self
-        })
+    pub fn with_static_offset(mut self, limit: Option<f64>) -> Result<Self, LabioError> {
+        self.static_offset = checked("static offset over peak", limit)?;
+        Ok(self)
     }
 
     /// Sets the largest accepted difference between the rest levels before and after the hit, as a
@@ -220,12 +206,9 @@ impl Criteria {
     /// # Errors
     ///
     /// [`LabioError::NonPhysical`].
-    pub fn with_level_shift(self, limit: Option<f64>) -> Result<Self, LabioError> {
-        let level_shift = checked("level shift over peak", limit)?;
-        Ok(Self {
-            level_shift,
-            ..self
-        })
+    pub fn with_level_shift(mut self, limit: Option<f64>) -> Result<Self, LabioError> {
+        self.level_shift = checked("level shift over peak", limit)?;
+        Ok(self)
     }
 
     /// Sets the largest accepted remainder at the end (root mean square), as a fraction of the

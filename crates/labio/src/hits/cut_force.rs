@@ -1,7 +1,7 @@
 //! Detection of a force that a window of the analyser cuts off before the impact ends.
 
 use super::samples_at_rest;
-use crate::quantization::smallest_step;
+use crate::quantization::{same, smallest_step};
 use crate::{LabioError, LevelAtRest, Record};
 
 /// Fraction of the peak force above which the impact has not ended.
@@ -137,18 +137,14 @@ fn cut_at(samples: &[f64], n_rest: Option<usize>) -> Option<f64> {
     (is_proven || is_steep()).then(|| value / peak)
 }
 
-fn are_equal(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 0.0
-}
-
 fn equal_at_end(samples: &[f64]) -> usize {
-    let runs = samples.chunk_by(|a, b| are_equal(*a, *b));
+    let runs = samples.chunk_by(|a, b| same(*a, *b));
     runs.last().map_or(0, <[f64]>::len)
 }
 
 /// Returns the length of the longest run of equal samples.
 fn longest_run(samples: &[f64]) -> usize {
-    let runs = samples.chunk_by(|a, b| are_equal(*a, *b));
+    let runs = samples.chunk_by(|a, b| same(*a, *b));
     runs.map(<[f64]>::len).max().unwrap_or(0)
 }
 

@@ -6,7 +6,7 @@ use super::rest::{
 };
 use super::{Criteria, Reason};
 use crate::error::count_mismatch;
-use crate::quantization::{are_multiples, smallest_step};
+use crate::quantization::{are_multiples, same, smallest_step};
 use crate::spectra::ending::{End, Ending};
 use crate::{LabioError, Quantity, Record};
 
@@ -439,10 +439,6 @@ struct Run {
     step_in: Option<f64>,
     /// Distance to the sample after, if there is one.
     step_out: Option<f64>,
-}
-
-fn same(a: f64, b: f64) -> bool {
-    a - b == 0.0
 }
 
 fn runs(samples: &[f64], shortest: usize) -> Vec<Run> {

@@ -3,7 +3,7 @@
 
 use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, Rest, onset_of};
 use super::{Criteria, Reason};
-use crate::quantization::smallest_step;
+use crate::quantization::{same, smallest_step};
 use crate::{LabioError, Record};
 
 /// Number of converter steps below the extreme within which an unclipped signal has more samples
@@ -51,7 +51,7 @@ impl Side {
     /// Returns the number of samples at `limit`, the number of runs that they form, and the index
     /// of the first sample.
     fn at(&self, limit: f64) -> (usize, usize, usize) {
-        let is_at = |x: &f64| (x - limit).abs() <= 0.0;
+        let is_at = |x: &f64| same(*x, limit);
         let chunks = self.samples.chunk_by(|a, b| is_at(a) == is_at(b));
         let runs = chunks.filter(|run| run.first().is_some_and(is_at)).count();
         let count = self.samples.iter().filter(|x| is_at(x)).count();

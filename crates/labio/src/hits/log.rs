@@ -232,16 +232,6 @@ impl HitLog {
         Ok(())
     }
 
-    /// Withdraws the manual decision on hit `number`.
-    ///
-    /// # Errors
-    ///
-    /// [`LabioError::NoSuchHit`] if no hit has that number.
-    pub fn withdraw_ruling(&mut self, number: usize) -> Result<(), LabioError> {
-        self.hit_mut(number)?.ruling = None;
-        Ok(())
-    }
-
     fn hit_mut(&mut self, number: usize) -> Result<&mut Hit, LabioError> {
         number
             .checked_sub(1)

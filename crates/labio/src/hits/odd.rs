@@ -6,6 +6,7 @@
 )]
 
 use num_complex::Complex64;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::Reason;
 use super::hit_spectra::{FEWEST_HITS, HitSpectra, Lines};
@@ -204,22 +205,9 @@ fn deviations(probability: f64, n: usize) -> f64 {
 /// for a whole number of degrees of freedom (M. Abramowitz and I. A. Stegun, *Handbook of
 /// Mathematical Functions*, 26.7.3 and 26.7.4). Absolute error 1e-15.
 pub(super) fn beyond_student(t: f64, degrees: usize) -> f64 {
-    let angle = (t / (degrees as f64).sqrt()).atan();
-    let (sine, cosine) = angle.sin_cos();
-    let odd = degrees % 2 == 1;
-    // even or odd powers of the cosine, below the number of degrees of freedom
-    let first = usize::from(odd);
-    let (mut sum, mut term) = (0.0, if odd { cosine } else { 1.0 });
-    for power in (first..degrees.max(1) - first).step_by(2) {
-        sum += term;
-        term *= (power + 1) as f64 / (power + 2) as f64 * cosine * cosine;
-    }
-    let within = if odd {
-        std::f64::consts::FRAC_2_PI * (angle + sine * sum)
-    } else {
-        sine * sum
-    };
-    1.0 - within
+    let law = StudentsT::new(0.0, 1.0, degrees as f64).ok();
+    let law = law.filter(|_| !t.is_nan());
+    law.map_or(f64::NAN, |law| 2.0 * law.sf(t))
 }
 
 /// Sums of the spectra of several hits.

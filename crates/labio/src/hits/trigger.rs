@@ -122,20 +122,16 @@ impl Trigger {
     /// Sets the part of the hit before the sample at which the trigger fires. Rest level and noise
     /// are estimated from this part; the longer it is, the more precise they are.
     #[must_use]
-    pub fn with_pre_trigger(self, pre_trigger: Extent) -> Self {
-        Self {
-            pre_trigger,
-            ..self
-        }
+    pub fn with_pre_trigger(mut self, pre_trigger: Extent) -> Self {
+        self.pre_trigger = pre_trigger;
+        self
     }
 
     /// Sets the hold-off, during which the trigger does not fire again.
     #[must_use]
-    pub fn with_hold_off(self, hold_off: Extent) -> Self {
-        Self {
-            hold_off: Some(hold_off),
-            ..self
-        }
+    pub fn with_hold_off(mut self, hold_off: Extent) -> Self {
+        self.hold_off = Some(hold_off);
+        self
     }
 
     /// Name of the channel that triggers.

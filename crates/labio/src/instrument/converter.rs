@@ -54,11 +54,9 @@ impl Converter {
 
     /// Adds dither.
     #[must_use]
-    pub fn with_dither(self) -> Self {
-        Self {
-            dither: true,
-            ..self
-        }
+    pub fn with_dither(mut self) -> Self {
+        self.dither = true;
+        self
     }
 
     /// Size of a step.

@@ -34,21 +34,12 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Distance of the gain from 1 in standard errors, including those of the sensors; infinite for
-    /// a negative gain.
-    #[must_use]
-    pub fn gain_distance(&self) -> f64 {
-        if self.gain > 0.0 {
-            self.gain.ln().abs() / self.relative_error.hypot(self.expected)
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    /// Returns true if chance and the stated sensor uncertainties explain the gain.
+    /// Returns true if chance and the stated sensor uncertainties explain the gain: its distance from
+    /// 1 is at most three standard errors, and it is not negative.
     #[must_use]
     pub fn explains_gain(&self) -> bool {
-        self.gain_distance() <= COVERAGE
+        let standard_error = self.relative_error.hypot(self.expected);
+        self.gain > 0.0 && self.gain.ln().abs() / standard_error <= COVERAGE
     }
 
     /// Returns true if chance explains the delay.

@@ -134,7 +134,6 @@ fn scatter(report: &mut Claims) {
             averager.add(&record(&[("x", Quantity::Velocity, &x)], rate)?)?;
         }
         let spectra = averager.spectra()?;
-        assert!((spectra.auto_random_error() - 0.1_f64.sqrt()).abs() < 1e-15);
         let expected = 2.0 / rate * n as f64 / rate;
         let auto = spectra.auto("x")?;
         Ok(auto[1..n / 2].iter().map(|g| g / expected).collect())
