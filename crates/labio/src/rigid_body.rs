@@ -258,6 +258,3 @@ struct Fit {
     apparent_mass: f64,
     apparent_mass_error: f64,
 }
-
-#[cfg(test)]
-mod tests;

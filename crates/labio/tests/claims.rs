@@ -5,6 +5,7 @@ mod files;
 mod histories;
 mod hits;
 mod measured_files;
+mod rigid_bodies;
 #[path = "scipy_reference.rs"]
 mod scipy_reference;
 mod sensors;

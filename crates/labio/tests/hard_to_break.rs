@@ -11,9 +11,11 @@ mod properties_responses;
 mod properties_spectra;
 mod spoilt_files;
 
-use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
+use labio::{AveragedSpectra, Channel, Quantity, Record, Window};
 use ndarray::Array2;
 use proptest::prelude::*;
+
+use crate::records::record_of;
 
 pub(crate) const INPUT: &str = "force";
 pub(crate) const OUTPUT: &str = "response";
@@ -27,14 +29,11 @@ pub(crate) fn channels() -> Vec<Channel> {
 
 pub(crate) fn record(rows: [&[f64]; 2], rate_hz: f64) -> Record {
     let samples = Array2::from_shape_fn((2, rows[0].len()), |(row, n)| rows[row][n]);
-    Record::new(
+    record_of(
         samples,
         rate_hz,
-        0.0,
-        channels(),
-        Provenance::computed("test"),
+        &[(INPUT, Quantity::Force), (OUTPUT, Quantity::Acceleration)],
     )
-    .unwrap()
 }
 
 /// Hits of equal length with arbitrary samples.

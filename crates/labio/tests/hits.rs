@@ -19,7 +19,7 @@ mod reasons;
 
 use testbed::measured;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use labio::format::npy;
 use labio::hits::{
@@ -34,20 +34,23 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use proptest::prelude::*;
 use rand::RngExt;
+use testbed::half_sine::half_sine;
 use testbed::noise::Noise;
+
+use crate::records::record_of;
 
 const RATE_HZ: f64 = 10_000.0;
 const ONSET: usize = 500;
 const N: usize = 10_000;
 const FORCE: &str = "force";
+const CHANNELS: [(&str, Quantity); 2] = [
+    (FORCE, Quantity::Force),
+    ("response", Quantity::Acceleration),
+];
 
 /// Contact of 2 ms with a peak of 1 at its middle.
 fn contact(t: f64) -> f64 {
-    if (0.0..0.002).contains(&t) {
-        (PI * t / 0.002).sin()
-    } else {
-        0.0
-    }
+    half_sine(t / 0.002)
 }
 
 /// Oscillation that a force sensor with a resonance of 3 kHz adds after a contact, beginning with a
@@ -81,18 +84,7 @@ fn hit(change: impl Fn(usize, f64, &mut f64, &mut f64)) -> Record {
         samples[[0, k]] = force;
         samples[[1, k]] = acceleration;
     }
-    let channels = vec![
-        Channel::new(FORCE, Quantity::Force).unwrap(),
-        Channel::new("response", Quantity::Acceleration).unwrap(),
-    ];
-    Record::new(
-        samples,
-        RATE_HZ,
-        0.0,
-        channels,
-        Provenance::computed("test"),
-    )
-    .unwrap()
+    record_of(samples, RATE_HZ, &CHANNELS)
 }
 
 fn reasons(record: &Record) -> Vec<Reason> {

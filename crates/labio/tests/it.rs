@@ -21,6 +21,7 @@ mod mat5;
 mod npy;
 mod oscilloscope;
 mod recognition;
+mod records;
 mod reference_nptdms;
 mod reference_pandas;
 mod reference_pyuff;

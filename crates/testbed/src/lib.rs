@@ -13,6 +13,7 @@
 pub mod claim;
 pub mod difference;
 pub mod generated;
+pub mod half_sine;
 pub mod hopkinson;
 pub mod long_bar;
 pub mod measured;

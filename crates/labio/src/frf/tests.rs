@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Quantity, Record, RestNoise, SpectrumAverager, Window};
+use crate::{Quantity, Record, RestNoise, Window};
 use ndarray::Array2;
 use testbed::noise::Noise;
 
@@ -38,23 +38,6 @@ fn one_average_gives_a_response_but_no_coherence() {
             ..
         }
     ));
-}
-
-/// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b`
-/// on the output.
-fn noisy(seed: u64, n: usize, n_hits: usize, a: f64, b: f64) -> AveragedSpectra {
-    let mut rng = Noise::seeded(seed);
-    let mut averager =
-        SpectrumAverager::for_records_like(&hit(&vec![0.0; n], &vec![0.0; n]), Window::Rectangular)
-            .unwrap();
-    for _ in 0..n_hits {
-        let clean = rng.white(n, 1.0);
-        let output: Vec<f64> = clean.iter().map(|x| 2.0 * x).collect();
-        let input = sum(&clean, &rng.white(n, a.sqrt()));
-        let output = sum(&output, &rng.white(n, 2.0 * b.sqrt()));
-        averager.add(&hit(&input, &output)).unwrap();
-    }
-    averager.spectra().unwrap()
 }
 
 #[test]
@@ -118,29 +101,6 @@ fn empty_lines_are_flagged_with_their_reason() {
         panic!("lines without correlation are missing");
     };
     assert_eq!(count, h2.values.len());
-}
-
-#[test]
-fn the_variance_of_a_line_is_twice_that_of_a_component() {
-    let n_hits = 30;
-    let spectra = noisy(19, 512, n_hits, 0.0, 0.4);
-    for response in [
-        spectra.h1("x", "y").unwrap(),
-        spectra.h2("x", "y").unwrap(),
-        spectra.hv("x", "y").unwrap(),
-    ] {
-        let coherence = response.coherence.as_ref().unwrap();
-        let errors = response.random_error().unwrap();
-        let variances = response.variance.as_ref().unwrap();
-        for k in 0..response.values.len() {
-            let square = response.values[k].norm_sqr();
-            let formula = square * (1.0 - coherence[k]) / ((n_hits - 1) as f64 * coherence[k]);
-            let from_error = 2.0 * square * errors[k].magnitude.powi(2);
-            // the same numbers combined in another order, including the difference 1 - coherence
-            assert!((variances[k] - formula).abs() < 1e-12 * formula);
-            assert!((variances[k] - from_error).abs() < 1e-12 * formula);
-        }
-    }
 }
 
 #[test]

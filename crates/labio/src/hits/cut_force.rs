@@ -152,6 +152,7 @@ fn longest_run(samples: &[f64]) -> usize {
 mod tests {
     use super::*;
     use std::f64::consts::PI;
+    use testbed::half_sine::half_sine;
 
     const REST: usize = 300;
 
@@ -159,12 +160,7 @@ mod tests {
     fn force(noise: f64) -> Vec<f64> {
         (0..2000_u32)
             .map(|n| {
-                let phase = (f64::from(n) - 400.0) / 40.0;
-                let blow = if (0.0..1.0).contains(&phase) {
-                    (PI * phase).sin().powi(2)
-                } else {
-                    0.0
-                };
+                let blow = half_sine((f64::from(n) - 400.0) / 40.0).powi(2);
                 // with noise, no two neighbouring samples are equal
                 blow + noise * (f64::from(n) * 1.3).sin()
             })
@@ -213,14 +209,7 @@ mod tests {
         for length in [4, 7, 8, 16, 50] {
             for shift in [0.0, 0.3, 0.6] {
                 let samples: Vec<f64> = (0..200_u32)
-                    .map(|n| {
-                        let phase = (f64::from(n) - 100.0 + shift) / f64::from(length);
-                        if (0.0..1.0).contains(&phase) {
-                            (PI * phase).sin()
-                        } else {
-                            0.0
-                        }
-                    })
+                    .map(|n| half_sine((f64::from(n) - 100.0 + shift) / f64::from(length)))
                     .collect();
                 assert_eq!(cut_at(&samples, Some(75)), None, "{length} {shift}");
                 // a converter with steps of a fiftieth of the peak

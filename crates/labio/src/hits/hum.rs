@@ -178,6 +178,7 @@ fn transform<'a>(samples: impl Iterator<Item = &'a f64>, omega: f64) -> Complex6
 mod tests {
     use super::*;
     use crate::Quantity;
+    use testbed::half_sine::half_sine;
 
     /// 300 Hz is the sixth harmonic of 50 Hz and the fifth of 60 Hz.
     #[test]
@@ -200,14 +201,7 @@ mod tests {
     /// the impact at 50 Hz is some 1000 N, that of the hum 0.3 N times 8192 samples.
     #[test]
     fn hum_is_found_beside_noise_and_not_in_noise_alone() {
-        let blow = |n: usize| {
-            let x = (n as f64 - 800.0) / 16.0;
-            if (0.0..=1.0).contains(&x) {
-                100.0 * (std::f64::consts::PI * x).sin()
-            } else {
-                0.0
-            }
-        };
+        let blow = |n: usize| 100.0 * half_sine((n as f64 - 800.0) / 16.0);
         let noise = |n: usize| 0.05 * ((n * n * 7919 + n * 104_729) % 1009) as f64 / 1009.0;
         let omega = TAU * 50.0 / 8192.0;
         let with = |hum: f64| -> Vec<f64> {

@@ -180,6 +180,7 @@ mod tests {
     use super::*;
     use crate::{Quantity, Record};
     use ndarray::Array2;
+    use testbed::half_sine::half_sine;
     use testbed::noise::Noise;
 
     const N: usize = 2048;
@@ -194,15 +195,7 @@ mod tests {
             .into_iter()
             .enumerate()
             .map(|(hit, peak)| {
-                let force = |n: usize| {
-                    let t = (n as f64 - 200.0) / 12.0;
-                    let inside = (0.0..1.0).contains(&t);
-                    peak * if inside {
-                        (std::f64::consts::PI * t).sin()
-                    } else {
-                        0.0
-                    }
-                };
+                let force = |n: usize| peak * half_sine((n as f64 - 200.0) / 12.0);
                 let z = Complex64::from_polar(0.98, pole(hit));
                 let mut state = Complex64::ZERO;
                 let mut samples = Array2::zeros((2, N));

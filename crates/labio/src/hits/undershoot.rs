@@ -144,6 +144,7 @@ fn extent(samples: &[f64]) -> Option<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use testbed::half_sine::half_sine;
 
     /// The high-pass 1/(1 + ω_c/(iω)) of an AC coupling at 5 Hz removes a fraction of the force. To
     /// first order, this fraction is ω_c/(iω), with magnitude 0.25 at 20 Hz.
@@ -151,15 +152,7 @@ mod tests {
     fn an_ac_coupling_leaves_an_undershoot() {
         let rate_hz = 8192.0;
         let omega = TAU * 20.0 / rate_hz;
-        let blow = |n: usize| {
-            let x = (n as f64 - 800.0) / 4.0;
-            let inside = (0.0..=1.0).contains(&x);
-            if inside {
-                (std::f64::consts::PI * x).sin()
-            } else {
-                0.0
-            }
-        };
+        let blow = |n: usize| half_sine((n as f64 - 800.0) / 4.0);
         // a constant offset is not an undershoot
         let force: Vec<f64> = (0..65_536).map(|n| blow(n) + 0.01).collect();
         assert!(ratio(&force, omega).unwrap().norm() < 1e-9);

@@ -267,3 +267,26 @@ fn nothing_in_common(report: &mut Claims) {
         },
     );
 }
+
+#[test]
+fn the_variance_of_a_line_is_twice_that_of_a_component() {
+    let n_hits = 30;
+    let spectra = noisy(19, 512, n_hits, 0.0, 0.4).unwrap();
+    for response in [
+        spectra.h1("x", "y").unwrap(),
+        spectra.h2("x", "y").unwrap(),
+        spectra.hv("x", "y").unwrap(),
+    ] {
+        let coherence = response.coherence.as_ref().unwrap();
+        let errors = response.random_error().unwrap();
+        let variances = response.variance.as_ref().unwrap();
+        for k in 0..response.values.len() {
+            let square = response.values[k].norm_sqr();
+            let formula = square * (1.0 - coherence[k]) / (f64::from(n_hits - 1) * coherence[k]);
+            let from_error = 2.0 * square * errors[k].magnitude.powi(2);
+            // the same numbers combined in another order, including the difference 1 - coherence
+            assert!((variances[k] - formula).abs() < 1e-12 * formula);
+            assert!((variances[k] - from_error).abs() < 1e-12 * formula);
+        }
+    }
+}

@@ -8,6 +8,7 @@ use labio::{
     ResponseKind, RigidBand, RigidBody, SpectrumAverager, Window, differentiate, integrate,
 };
 use num_complex::Complex64;
+use testbed::half_sine::half_sine;
 use testbed::noise::Noise;
 
 use super::hits::{hit, record};
@@ -66,14 +67,7 @@ fn integrals(report: &mut Claims) {
         .expects(50.0 / 1000.0 / (PI / 80.0).tan(), "m/s")
         .within(2e-14, "rounding of 400 additions"),
         || {
-            let pulse = |i: i32| {
-                let phase = f64::from(i - 100) / 40.0;
-                if (0.0..=1.0).contains(&phase) {
-                    50.0 * (PI * phase).sin()
-                } else {
-                    0.0
-                }
-            };
+            let pulse = |i: i32| 50.0 * half_sine(f64::from(i - 100) / 40.0);
             let acceleration: Vec<f64> = (0..400).map(|i| 0.7 + pulse(i)).collect();
             let low = LowFrequency::AtRest { n_samples: 100 };
             Ok(integrate(&acceleration, 1000.0, low)?[399])
@@ -201,7 +195,7 @@ fn kinds(report: &mut Claims) {
 }
 
 /// Free steel rod: mass in kg, travel time of a wave from end to end in s.
-const MASS: f64 = 3.79;
+pub(super) const MASS: f64 = 3.79;
 const TRANSIT: f64 = 1e-4;
 
 /// Accelerance of the end of the rod.
@@ -216,7 +210,7 @@ fn rod(omega: f64) -> f64 {
 
 /// A response of the rod measured with an accelerometer that fails below 40 Hz and whose
 /// sensitivity is wrong by the factor `gain`.
-fn measured(gain: f64, level: f64) -> Fallible<FrequencyResponse> {
+pub(super) fn measured(gain: f64, level: f64) -> Fallible<FrequencyResponse> {
     let n = 2000;
     let mut impulse = vec![0.0; n];
     impulse[0] = 1.0;

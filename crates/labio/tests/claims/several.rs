@@ -3,14 +3,13 @@
 use std::error::Error;
 
 use labio::{
-    Channel, FrequencyResponse, MergedResponse, MultiInputResponse, Provenance, Quantity, Record,
-    SpectrumAverager, Window,
+    AveragedSpectra, FrequencyResponse, LineValidity, MergedResponse, MultiInputResponse, Quantity,
+    Record, Window,
 };
-use ndarray::Array2;
 use testbed::noise::Noise;
 
 use super::estimators::noisy;
-use super::hits::mean;
+use super::hits::{mean, record};
 use testbed::claim::{Claim, Claims, Fallible};
 use testbed::difference::{largest, worst};
 use testbed::hold;
@@ -25,37 +24,41 @@ fn claims_hold() {
 
 const GAINS: [f64; 3] = [2.0, -0.5, 1.5];
 
-/// Response to three inputs with gains; the second input contains half of the first, and the third
-/// contains parts of the first two; noise on the output.
-fn three_inputs(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<MultiInputResponse> {
+/// Spectra of three inputs and their response with gains; the second input contains half of the
+/// first, and the third contains parts of the first two; noise on the output.
+fn three_inputs(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<AveragedSpectra> {
     let mut rng = Noise::seeded(seed);
-    let channels = ["a", "b", "c", "y"]
-        .iter()
-        .map(|name| Channel::new(*name, Quantity::Velocity))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut averager = SpectrumAverager::new(&channels, n, 1.0, Window::Rectangular)?;
+    let mut hits = Vec::new();
     for _ in 0..n_hits {
-        let drawn = [0, 1, 2, 3].map(|_| rng.white(n, 1.0));
-        let mut samples = Array2::zeros((4, n));
-        for i in 0..n {
-            let a = drawn[0][i];
-            let b = drawn[1][i] + 0.5 * a;
-            let c = drawn[2][i] + 0.3 * a - 0.8 * b;
-            let y = GAINS[0] * a + GAINS[1] * b + GAINS[2] * c + level * drawn[3][i];
-            for (row, value) in [a, b, c, y].into_iter().enumerate() {
-                samples[(row, i)] = value;
-            }
-        }
-        let provenance = Provenance::computed("noise");
-        averager.add(&Record::new(
-            samples,
-            1.0,
-            0.0,
-            channels.clone(),
-            provenance,
-        )?)?;
+        let [a, b, c, noise] = [0, 1, 2, 3].map(|_| rng.white(n, 1.0));
+        let sum = |parts: &[(f64, &Vec<f64>)]| -> Vec<f64> {
+            let at = |i: usize| parts.iter().map(|(gain, x)| gain * x[i]).sum();
+            (0..n).map(at).collect()
+        };
+        let b = sum(&[(1.0, &b), (0.5, &a)]);
+        let c = sum(&[(1.0, &c), (0.3, &a), (-0.8, &b)]);
+        let y = sum(&[
+            (GAINS[0], &a),
+            (GAINS[1], &b),
+            (GAINS[2], &c),
+            (level, &noise),
+        ]);
+        hits.push(of_channels([&a, &b, &c, &y])?);
     }
-    Ok(averager.spectra()?.multi_input(&["a", "b", "c"], "y")?)
+    Ok(AveragedSpectra::of(&hits, Window::Rectangular)?)
+}
+
+fn of_channels(samples: [&[f64]; 4]) -> Fallible<Record> {
+    let [a, b, c, y] = samples;
+    let of = Quantity::Velocity;
+    record(
+        &[("a", of, a), ("b", of, b), ("c", of, c), ("y", of, y)],
+        1.0,
+    )
+}
+
+fn of_three(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<MultiInputResponse> {
+    Ok(three_inputs(n, n_hits, level, seed)?.multi_input(&["a", "b", "c"], "y")?)
 }
 
 fn several_inputs(report: &mut Claims) {
@@ -69,7 +72,7 @@ fn several_inputs(report: &mut Claims) {
             "rounding, amplified by lines where six averages make inputs nearly dependent",
         ),
         || {
-            let response = three_inputs(64, 6, 0.0, 1)?;
+            let response = of_three(64, 6, 0.0, 1)?;
             let multiple = response.multiple_coherence.iter();
             multiple.for_each(|c| assert!((c - 1.0).abs() < 1e-12, "{c}"));
             worst(GAINS.iter().enumerate(), |(input, gain)| {
@@ -85,7 +88,7 @@ fn several_inputs(report: &mut Claims) {
         )
         .within(0.011, "four standard errors over 513 lines, and the bias q(1 - γ²)/n"),
         || {
-            let response = three_inputs(1024, 200, 1.0, 3)?;
+            let response = of_three(1024, 200, 1.0, 3)?;
             for (line, multiple) in response.multiple_coherence.iter().enumerate() {
                 let parts = response.ordered_coherence.column(line).sum();
                 assert!((parts - multiple).abs() < 1e-14, "line {line}");
@@ -111,7 +114,7 @@ fn several_inputs(report: &mut Claims) {
         .expects(1.0, "1")
         .within(0.09, "four standard errors over 4095 lines with heavy tails"),
         || {
-            let response = three_inputs(8192, 10, 1.0, 4)?;
+            let response = of_three(8192, 10, 1.0, 4)?;
             let (mut scatter, mut stated) = (0.0, 0.0);
             for (input, gain) in GAINS.iter().enumerate() {
                 for line in 1..4096 {
@@ -143,4 +146,61 @@ fn merging(report: &mut Claims) {
             Ok(square_error(&merged) / square_error(&tests[0]))
         },
     );
+}
+
+#[test]
+fn one_input_is_h1_and_the_ordinary_coherence() {
+    let spectra = three_inputs(64, 5, 1.0, 2).unwrap();
+    let several = spectra.multi_input(&["a"], "y").unwrap();
+    let single = spectra.h1("a", "y").unwrap();
+    let coherence = single.coherence.unwrap();
+    let variance = single.variance.unwrap();
+    for line in 0..33 {
+        // the same ratio, computed with square roots
+        assert!((several.values[(0, line)] / single.values[line] - 1.0).norm() < 1e-13);
+        for found in [
+            several.multiple_coherence[line],
+            several.partial_coherence[(0, line)],
+            several.ordered_coherence[(0, line)],
+        ] {
+            assert!((found - coherence[line]).abs() < 1e-13);
+        }
+        let ratio = several.variance[(0, line)] / variance[line];
+        assert!((ratio - 1.0).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn inputs_that_depend_on_each_other_are_flagged() {
+    let mut rng = Noise::seeded(5);
+    let hits = [0; 6].map(|_| {
+        let a = rng.white(32, 1.0);
+        let b: Vec<f64> = a.iter().map(|a| -3.0 * a).collect();
+        of_channels([&a, &b, &[0.0; 32], &a]).unwrap()
+    });
+    let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
+    let validity = |inputs: &[&str]| spectra.multi_input(inputs, "y").unwrap().validity;
+    let all = |validity: Vec<LineValidity>, expected| validity.iter().all(|v| *v == expected);
+    assert!(all(validity(&["a", "b"]), LineValidity::DependentInputs));
+    assert!(all(validity(&["a", "c"]), LineValidity::NoInput));
+    assert!(all(validity(&["a"]), LineValidity::Valid));
+}
+
+#[test]
+fn requests_that_cannot_be_met_are_refused() {
+    let spectra = three_inputs(16, 2, 1.0, 6).unwrap();
+    let refusals = [
+        spectra.multi_input(&[], "y"),
+        spectra.multi_input(&["a", "z"], "y"),
+        spectra.multi_input(&["a", "y"], "y"),
+        spectra.multi_input(&["a", "b"], "y"),
+    ]
+    .map(|result| result.unwrap_err().to_string())
+    .join("\n");
+    insta::assert_snapshot!(refusals, @r"
+    inputs: found 0, expected 1
+    there is no channel `z`, only `a`, `b`, `c`, `y`
+    channels 1 and 2 are both named `y`
+    a response to several inputs needs at least 3 averages, found 2
+    ");
 }

@@ -7,7 +7,7 @@ use labio::{
 };
 use ndarray::{Array2, Axis};
 
-use super::{INPUT, channels, record};
+use super::{INPUT, channels, record, record_of};
 
 /// Samples of a record read in blocks.
 struct Played {
@@ -57,14 +57,7 @@ fn ten_million_samples() {
         }
     });
     let force = vec![Channel::new(INPUT, Quantity::Force).unwrap()];
-    let long = Record::new(
-        samples.clone(),
-        1e6,
-        0.0,
-        force.clone(),
-        Provenance::computed("t"),
-    )
-    .unwrap();
+    let long = record_of(samples.clone(), 1e6, &[(INPUT, Quantity::Force)]);
     let trigger = Trigger::new(INPUT, 10.0, Extent::Samples(4096))
         .unwrap()
         .with_pre_trigger(Extent::Samples(512));
@@ -179,28 +172,13 @@ fn lost_samples_of_an_untriggered_stream_are_told() {
 /// One sample, none, and rates that do not divide.
 #[test]
 fn the_shortest_records() {
-    let one = Record::new(
-        Array2::ones((2, 1)),
-        1.0,
-        0.0,
-        channels(),
-        Provenance::computed("t"),
-    );
-    let none = Record::new(
-        Array2::ones((2, 0)),
-        1.0,
-        0.0,
-        channels(),
-        Provenance::computed("t"),
-    );
-    let nothing = Record::new(
-        Array2::ones((0, 0)),
-        1.0,
-        0.0,
-        Vec::new(),
-        Provenance::computed("t"),
-    );
-    for refused in [one, none, nothing] {
+    for (shape, channels) in [
+        ((2, 1), channels()),
+        ((2, 0), channels()),
+        ((0, 0), Vec::new()),
+    ] {
+        let from = Provenance::computed("t");
+        let refused = Record::new(Array2::ones(shape), 1.0, 0.0, channels, from);
         assert!(matches!(refused, Err(LabioError::TooFewSamples { .. })));
     }
     for rate in [1.0 / 3.0, std::f64::consts::PI, 44_100.0 / 7.0] {

@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use rand::SeedableRng;
 
 use super::hostile::{self, HOSTILE};
-use super::{INPUT, OUTPUT, averaged, channels, record};
+use super::{INPUT, OUTPUT, averaged, channels, record, record_of};
 
 type Made = Result<Vec<f64>, LabioError>;
 
@@ -42,14 +42,8 @@ fn records_and_histories() {
     let samples = history();
     let flat = |record: Record| vec![record.duration(), record.time_at(63)];
     let of = |rate: f64, start: f64| {
-        Record::new(
-            Array2::ones((2, 64)),
-            rate,
-            start,
-            channels(),
-            Provenance::computed("t"),
-        )
-        .map(flat)
+        let from = Provenance::computed("t");
+        Record::new(Array2::ones((2, 64)), rate, start, channels(), from).map(flat)
     };
     sweep("sampling rate", |x| of(x, 0.0));
     sweep("start time", |x| of(1.0, x));
@@ -398,18 +392,10 @@ fn silence_of_hits_that_are_not_alike_is_refused() {
         RestNoise::before(&[&slow, &fast], INPUT, 20),
         Err(LabioError::SamplingRateMismatch { .. })
     ));
-    let renamed = Record::new(
-        slow.samples().to_owned(),
-        64.0,
-        0.0,
-        vec![
-            Channel::new(INPUT, Quantity::Voltage).unwrap(),
-            channels()[1].clone(),
-        ],
-        Provenance::computed("t"),
-    );
+    let named = [(INPUT, Quantity::Voltage), (OUTPUT, Quantity::Acceleration)];
+    let renamed = record_of(slow.samples().to_owned(), 64.0, &named);
     assert!(matches!(
-        RestNoise::before(&[&slow, &renamed.unwrap()], INPUT, 20),
+        RestNoise::before(&[&slow, &renamed], INPUT, 20),
         Err(LabioError::ChannelMismatch { index: 1, .. })
     ));
     let noise = RestNoise::before(&[&slow], OUTPUT, 20).unwrap();

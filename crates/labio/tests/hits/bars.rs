@@ -42,8 +42,7 @@ fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
 fn gauge_record(samples: Vec<f64>, quantity: Quantity) -> Record {
     let n = samples.len();
     let samples = Array2::from_shape_vec((1, n), samples).unwrap();
-    let channels = vec![Channel::new("gauge", quantity).unwrap()];
-    Record::new(samples, 12.5e6, 0.0, channels, Provenance::computed("test")).unwrap()
+    record_of(samples, 12.5e6, &[("gauge", quantity)])
 }
 
 #[test]
@@ -166,10 +165,7 @@ fn measured_hammer_hits_are_accepted_and_found_again_in_one_long_record() {
     let Some(folder) = measured::folder() else {
         return;
     };
-    let channels = [
-        Channel::new(FORCE, Quantity::Force).unwrap(),
-        Channel::new("response", Quantity::Acceleration).unwrap(),
-    ];
+    let channels = CHANNELS.map(|(name, quantity)| Channel::new(name, quantity).unwrap());
     let hits: Vec<Record> = (1..=5)
         .map(|number| {
             let path = folder.join(format!("hammer/measurements_{number}.npy"));
@@ -183,17 +179,11 @@ fn measured_hammer_hits_are_accepted_and_found_again_in_one_long_record() {
         hits[k / n].samples()[[channel, k % n]]
     });
     let rate_hz = hits[0].sampling_rate_hz();
-    let long = Record::new(
-        samples,
-        rate_hz,
-        0.0,
-        channels.to_vec(),
-        Provenance::computed("joined"),
-    );
+    let long = record_of(samples, rate_hz, &CHANNELS);
     let trigger = Trigger::new(FORCE, 10.0, Extent::Seconds(0.95))
         .unwrap()
         .with_pre_trigger(Extent::Samples(16));
-    let log = find_hits(&long.unwrap(), &trigger, &Criteria::default()).unwrap();
+    let log = find_hits(&long, &trigger, &Criteria::default()).unwrap();
     assert_eq!(log.accepted().count(), 5, "{log}");
     // every hit begins 18 to 20 samples after a full second
     for (number, hit) in log.hits().iter().enumerate() {

@@ -43,12 +43,7 @@ impl Body {
         let onset = (400.0 + 30.0 * rng.0.random::<f64>()) / RATE_HZ;
         let force = |t: f64| {
             let t = t - onset;
-            let within = (0.0..Self::BLOW).contains(&t);
-            if within {
-                peak * (PI * t / Self::BLOW).sin().powi(2)
-            } else {
-                0.0
-            }
+            peak * half_sine(t / Self::BLOW).powi(2)
         };
         // the rigid motion is a mode without spring
         let modes: Vec<(f64, f64, f64)> = std::iter::once((0.0, 0.0, Self::MASS))
@@ -103,23 +98,16 @@ impl Body {
                 let samples = Array2::from_shape_fn((2, Self::SAMPLES), |(channel, k)| {
                     clean[channel][k] + self.noise * peaks[channel] * rng.normal()
                 });
-                record_of(samples, self.quantity)
+                moving(samples, self.quantity)
             })
             .collect()
     }
 }
 
-pub(super) fn record_of(samples: Array2<f64>, quantity: Quantity) -> Record {
-    let channels = vec![
-        Channel::new(FORCE, Quantity::Force).unwrap(),
-        Channel::new("motion", quantity).unwrap(),
-    ];
-    Record::new(
+pub(super) fn moving(samples: Array2<f64>, quantity: Quantity) -> Record {
+    record_of(
         samples,
         RATE_HZ,
-        0.0,
-        channels,
-        Provenance::computed("body"),
+        &[(FORCE, Quantity::Force), ("motion", quantity)],
     )
-    .unwrap()
 }

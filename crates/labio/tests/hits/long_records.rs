@@ -22,18 +22,9 @@ fn long_record() -> Record {
         }
         sum
     });
-    let channels = vec![
-        Channel::new(FORCE, Quantity::Force).unwrap(),
-        Channel::new("response", Quantity::Acceleration).unwrap(),
-    ];
-    Record::new(
-        samples,
-        RATE_HZ,
-        2.0,
-        channels,
-        Provenance::computed("test"),
-    )
-    .unwrap()
+    let channels = CHANNELS.map(|(name, quantity)| Channel::new(name, quantity).unwrap());
+    let from = Provenance::computed("test");
+    Record::new(samples, RATE_HZ, 2.0, channels.to_vec(), from).unwrap()
 }
 
 fn trigger() -> Trigger {
@@ -194,8 +185,7 @@ proptest! {
         let both = Array2::from_shape_fn((2, n), |(channel, k)| {
             if channel == 0 { samples[k] } else { samples[n - 1 - k] }
         });
-        let channels = ["force", "response"].map(|name| Channel::new(name, Quantity::Force).unwrap());
-        let record = Record::new(both, 1.0, 0.0, channels.to_vec(), Provenance::computed("test")).unwrap();
+        let record = record_of(both, 1.0, &CHANNELS.map(|(name, _)| (name, Quantity::Force)));
         let trigger = Trigger::new(FORCE, level, Extent::Samples(length))
             .unwrap()
             .with_pre_trigger(Extent::Samples(before))

@@ -1,6 +1,6 @@
 //! Records of bodies that still move or ring at the end of the record.
 
-use super::body::{Body, record_of};
+use super::body::{Body, moving};
 use super::*;
 
 /// Spectra of `hits` minus their level at rest, completed by the motion after the record, under an
@@ -91,7 +91,7 @@ fn s1_a_velocity_that_neither_rests_nor_stays_is_not_decayed() {
     for k in 400..Body::SAMPLES {
         samples[[1, k]] *= 1.0 - (k - 400) as f64 / 3700.0;
     }
-    let found = only(&record_of(samples, Quantity::Velocity));
+    let found = only(&moving(samples, Quantity::Velocity));
     assert!(
         matches!(found, Reason::NotDecayed { ref channel, .. } if channel == "motion"),
         "{found}"

@@ -1,6 +1,6 @@
 //! Clipped peaks, and hits that differ from the others.
 
-use super::body::{Body, record_of};
+use super::body::{Body, moving};
 use super::*;
 
 /// Returns the record as recorded by converters of `bits` bits, one for each channel, whose ranges
@@ -12,7 +12,7 @@ fn converted(record: &Record, bits: i32, ranges: [f64; 2]) -> Record {
         let value = record.samples()[[channel, k]];
         ((value / step).round() * step).clamp(-range, range - step)
     });
-    record_of(samples, record.channels()[1].quantity())
+    moving(samples, record.channels()[1].quantity())
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
             let mut motion = samples.row(1).to_vec();
             fault(&mut motion);
             samples.row_mut(1).assign(&ndarray::Array1::from(motion));
-            all[6] = record_of(samples, quantity);
+            all[6] = moving(samples, quantity);
             let found = find(&all);
             let [
                 (

@@ -84,15 +84,8 @@ fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
 #[test]
 fn the_range_counts_in_volts_where_volts_were_recorded() {
     let volts = hit(|_, _, f, _| *f *= 0.01);
-    let channels = ["force", "response"].map(|n| Channel::new(n, Quantity::Voltage).unwrap());
-    let record = Record::new(
-        volts.samples().to_owned(),
-        RATE_HZ,
-        0.0,
-        channels.to_vec(),
-        Provenance::computed("test"),
-    )
-    .unwrap();
+    let channels = CHANNELS.map(|(name, _)| (name, Quantity::Voltage));
+    let record = record_of(volts.samples().to_owned(), RATE_HZ, &channels);
     let sensor = SensorChain::of_sensitivity(Rating::new(10.0, "mV/N").unwrap()).unwrap();
     let record = record.calibrated(FORCE, sensor).unwrap();
     // 80 N are 0.8 V
@@ -199,18 +192,8 @@ fn a_signal_must_be_over_at_the_end() {
 fn free_bodies_may_go_on_moving() {
     let record = hit(|_, t, _, a| *a = if t > 0.0 { 3.0 * t } else { 0.0 });
     let named = |quantity| {
-        let channels = vec![
-            Channel::new(FORCE, Quantity::Force).unwrap(),
-            Channel::new("response", quantity).unwrap(),
-        ];
-        let record = Record::new(
-            record.samples().to_owned(),
-            RATE_HZ,
-            0.0,
-            channels,
-            Provenance::computed("test"),
-        );
-        reasons(&record.unwrap())
+        let channels = [(FORCE, Quantity::Force), ("response", quantity)];
+        reasons(&record_of(record.samples().to_owned(), RATE_HZ, &channels))
     };
     assert_eq!(named(Quantity::Displacement), []);
     assert!(!named(Quantity::Acceleration).is_empty());

@@ -1,60 +1,20 @@
-use super::*;
-use crate::{AveragedSpectra, Estimator, Quantity, Record, Window};
-use ndarray::Array2;
-use num_complex::Complex64;
-use testbed::noise::Noise;
+//! Lines at low frequency from a weighed mass: their errors, and what is refused.
 
-/// Free steel rod: its mass and the time of a wave from end to end.
-const MASS: f64 = 3.79;
-const TRANSIT: f64 = 1e-4;
-const RATE: f64 = 20_000.0;
-const N: usize = 2000;
+use std::f64::consts::TAU;
+
+use labio::{LineValidity, ResponseKind, RigidBand, RigidBody};
+use num_complex::Complex64;
+
+use super::histories::{MASS, measured};
+
 const BAND: RigidBand = RigidBand {
     from_hz: 60.0,
     to_hz: 250.0,
 };
 
-/// Returns the accelerance at the end of the rod: x cot x / M with x = omega times the transit
-/// time.
-fn exact(omega: f64) -> f64 {
-    let x = omega * TRANSIT;
-    if x > 0.0 {
-        x / x.tan() / MASS
-    } else {
-        1.0 / MASS
-    }
-}
-
-/// A response with the lines of the rod, computed from two hits so that it has all the fields of a
-/// measurement; `noise` is relative to the value.
-fn measured(noise: f64) -> FrequencyResponse {
-    let channels = [("force", Quantity::Force), ("face", Quantity::Acceleration)];
-    let mut samples = Array2::zeros((2, N));
-    samples[(0, 0)] = 1.0;
-    samples[(1, 0)] = 1.0;
-    let hit = Record::of_test(samples, RATE, &channels);
-    let spectra = AveragedSpectra::of([&hit, &hit], Window::Rectangular).unwrap();
-    let mut response = spectra.response(Estimator::H1, "force", "face").unwrap();
-    let mut rng = Noise::seeded(1);
-    let mut normal = || rng.normal();
-    let mut variances = Vec::new();
-    for line in 0..response.values.len() {
-        let value = exact(TAU * response.frequency_hz[line]);
-        let error = Complex64::new(normal(), normal()) * (noise * value);
-        response.values[line] = value + error;
-        variances.push((2.0 * noise * noise * value * value).max(f64::MIN_POSITIVE));
-    }
-    // an accelerometer responds in this way at the lowest frequencies
-    for line in 0..4 {
-        response.values[line] *= 0.1;
-    }
-    response.variance = Some(variances);
-    response
-}
-
 #[test]
 fn low_lines_have_the_error_of_the_weighing() {
-    let accelerance = measured(0.0);
+    let accelerance = measured(1.0, 0.0).unwrap();
     let body = RigidBody::new(MASS, 0.001).unwrap();
     let completed = body.complete(&accelerance, BAND).unwrap();
     assert_eq!(completed.first_measured, 6);
@@ -73,7 +33,10 @@ fn low_lines_have_the_error_of_the_weighing() {
 
 #[test]
 fn mobility_tends_to_one_over_i_omega_m_and_has_no_value_at_zero() {
-    let mobility = measured(0.0).to_kind(ResponseKind::Mobility).unwrap();
+    let mobility = measured(1.0, 0.0)
+        .unwrap()
+        .to_kind(ResponseKind::Mobility)
+        .unwrap();
     let body = RigidBody::new(MASS, 0.0).unwrap();
     let completed = body.complete(&mobility, BAND).unwrap().response;
     assert_eq!(completed.kind().unwrap(), ResponseKind::Mobility);
@@ -93,14 +56,14 @@ fn the_apparent_mass_of_a_wide_band_has_the_terms_of_higher_order() {
         to_hz: 1250.0,
         ..BAND
     };
-    let completed = body.complete(&measured(1e-4), wide).unwrap();
+    let completed = body.complete(&measured(1.0, 1e-4).unwrap(), wide).unwrap();
     let off = completed.apparent_mass / MASS - 1.0;
     assert!(off.abs() < 2e-4, "{off}");
 }
 
 #[test]
 fn a_band_without_lines_and_a_body_without_mass_are_refused() {
-    let response = measured(0.0);
+    let response = measured(1.0, 0.0).unwrap();
     let body = RigidBody::new(MASS, 0.0).unwrap();
     let band = |from_hz, to_hz| RigidBand { from_hz, to_hz };
     let refusals = [
