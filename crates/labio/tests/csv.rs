@@ -10,11 +10,11 @@ mod wrong_tables;
 use testbed::measured;
 
 use labio::format::csv::Csv;
-use labio::format::{Reader, Strictness, Writer};
+use labio::format::{Reader, Strictness};
 use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 use num_complex::Complex64;
 
-use crate::series::{axis, defects, even, property, real, refusals};
+use crate::series::{axis, bare, defects, even, pair, property, real, refusals, written};
 
 fn read(bytes: impl AsRef<[u8]>) -> Result<Contents, LabioError> {
     Csv.read(bytes.as_ref(), Strictness::Strict)
@@ -29,24 +29,17 @@ fn names(contents: &Contents) -> Vec<String> {
 }
 
 pub(crate) fn write(contents: &Contents) -> Result<Vec<u8>, LabioError> {
-    let mut bytes = Vec::new();
-    Csv.write(contents, &mut bytes)?;
-    Ok(bytes)
+    written(&Csv, contents)
 }
 
 pub(crate) fn sample() -> Contents {
     let mut contents = Contents::of_format("csv");
-    contents
-        .properties
-        .push(("Operator".to_owned(), "S. \u{d6}deen".to_owned()));
+    contents.properties.push(pair("Operator", "S. \u{d6}deen"));
     let series = |name: &str, kind, ordinate| Series {
-        name: name.to_owned(),
         kind,
         abscissa: even(-0.1, 0.1),
-        ordinate,
         abscissa_axis: axis("Time", "s"),
-        ordinate_axis: axis("", ""),
-        properties: Vec::new(),
+        ..bare(name, ordinate)
     };
     let mut force = series(
         "F, \"left\"",
@@ -54,7 +47,7 @@ pub(crate) fn sample() -> Contents {
         Ordinate::Real(vec![1.0, -2.5e-300]),
     );
     force.ordinate_axis = axis("", "N");
-    force.properties.push(("block".to_owned(), "2".to_owned()));
+    force.properties.push(pair("block", "2"));
     contents.series.push(force);
     contents.series.push(series(
         "",

@@ -4,6 +4,8 @@ use labio::format::hdf5::{Hdf5, read_within};
 use labio::format::{MemoryLimit, Reader, Strictness};
 use labio::{Abscissa, Contents, LabioError, Ordinate, Series};
 
+use crate::series::pair;
+
 // fixtures/reference/hdf5/make.py
 pub(crate) const MATLAB: &[u8] = include_bytes!("../../../fixtures/reference/hdf5/matlab.mat");
 const RECORDER: &[u8] = include_bytes!("../../../fixtures/reference/hdf5/recorder.h5");
@@ -91,10 +93,7 @@ fn coordinates_units_and_texts_come_with_the_series() {
         ("gauge 1", "um/m")
     );
     assert!(strain.ordinate_axis.unit.is_some());
-    assert_eq!(
-        strain.properties,
-        [("serial".to_owned(), "4711".to_owned())]
-    );
+    assert_eq!(strain.properties, [pair("serial", "4711")]);
     assert_eq!(
         series(&recorder, "shot 1/both[1, :]").abscissa,
         strain.abscissa
@@ -156,11 +155,11 @@ fn coordinates_units_and_texts_come_with_the_series() {
     );
     assert_eq!(
         series(&matlab, "counts").properties,
-        [("class".to_owned(), "int16".to_owned())]
+        [pair("class", "int16")]
     );
     assert_eq!(
         series(&matlab, "flags").properties,
-        [("class".to_owned(), "logical".to_owned())]
+        [pair("class", "logical")]
     );
 }
 

@@ -2,11 +2,11 @@
 //! byte orders.
 
 use labio::format::mat5::{Mat5, RATE_SOURCE};
-use labio::format::{Reader, Strictness, Writer};
-use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind};
+use labio::format::{Reader, Strictness};
+use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis};
 use num_complex::Complex64;
 
-use crate::series::refusals;
+use crate::series::{axis, bare, contents_of, pair, refusals, written};
 
 // fixtures/reference/mat5/make.py
 pub(crate) const PLAIN: &[u8] = include_bytes!("../../../fixtures/reference/mat5/plain.mat");
@@ -214,16 +214,10 @@ fn a_variable_with_the_name_of_a_rate_gives_the_times() {
 
 fn series(name: &str, abscissa: Abscissa, ordinate: Ordinate, unit: &str) -> Series {
     Series {
-        name: name.to_owned(),
-        kind: SeriesKind::General,
         abscissa,
-        ordinate,
         abscissa_axis: SeriesAxis::default(),
-        ordinate_axis: SeriesAxis {
-            unit_text: unit.to_owned(),
-            ..SeriesAxis::default()
-        },
-        properties: Vec::new(),
+        ordinate_axis: axis("", unit),
+        ..bare(name, ordinate)
     }
 }
 
@@ -237,19 +231,13 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     };
     let forces = vec![-0.0, 1e300, f64::NAN];
     let ratio = vec![Complex64::new(1.0, -2.0), Complex64::new(0.5, 5e-324)];
-    let mut contents = Contents::of_format("test");
-    contents.properties = vec![("rig".to_owned(), "\u{b5}m".to_owned())];
-    contents.series = vec![
+    let uneven = Abscissa::Uneven(vec![3.0, 4.5]);
+    let mut contents = contents_of(vec![
         series("end A", even, Ordinate::Real(forces.clone()), "N"),
-        series(
-            "2",
-            Abscissa::Uneven(vec![3.0, 4.5]),
-            Ordinate::Complex(ratio),
-            "",
-        ),
-    ];
-    let mut written = Vec::new();
-    Mat5.write(&contents, &mut written).unwrap();
+        series("2", uneven, Ordinate::Complex(ratio), ""),
+    ]);
+    contents.properties = vec![pair("rig", "\u{b5}m")];
+    let file = written(&Mat5, &contents).unwrap();
     let named = |name: &str, class: u32, shape: &[u32], parts: &[Vec<u8>]| {
         let mut body = LITTLE.element(6, &LITTLE.words(&[class, 0]));
         body.extend(LITTLE.element(5, &LITTLE.words(shape)));
@@ -282,8 +270,8 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
         named("x2_name", 4, &[1, 1], &[LITTLE.small(4, b"2\0")]),
         named("rig", 4, &[1, 2], &[LITTLE.small(4, &[0xb5, 0, b'm', 0])]),
     ]);
-    assert_eq!(written[124..], expected[124..]);
-    let back = read(&written).unwrap();
+    assert_eq!(file[124..], expected[124..]);
+    let back = read(&file).unwrap();
     let names: Vec<&str> = back
         .series
         .iter()
@@ -309,9 +297,7 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     // two series with the same name, and a property whose name is already that of a unit
     contents.series[1].name = "end A".to_owned();
     contents.properties[0].0 = "end_A_unit".to_owned();
-    let mut written = Vec::new();
-    Mat5.write(&contents, &mut written).unwrap();
-    let back = read(&written).unwrap();
+    let back = read(&written(&Mat5, &contents).unwrap()).unwrap();
     assert!(back.series.iter().all(|series| series.name == "end A"));
     let back = said(&back);
     assert!(back.contains("end_A_unit_2"), "{back}");
@@ -325,15 +311,12 @@ fn nothing_else_is_taken_for_the_abscissa_or_the_unit_of_a_series() {
     let values = |first: f64| Ordinate::Real(vec![first, 2.0]);
     let long = "a".repeat(80);
     for names in [["b_x", "b"], ["b", "b_x"], [&long, "b"]] {
-        let mut contents = Contents::of_format("test");
-        contents.properties = vec![("b_unit".to_owned(), "of the rig".to_owned())];
-        contents.series = vec![
+        let mut contents = contents_of(vec![
             series(names[0], uneven(), values(1.0), ""),
             series(names[1], uneven(), values(7.0), ""),
-        ];
-        let mut written = Vec::new();
-        Mat5.write(&contents, &mut written).unwrap();
-        let back = read(&written).unwrap();
+        ]);
+        contents.properties = vec![pair("b_unit", "of the rig")];
+        let back = read(&written(&Mat5, &contents).unwrap()).unwrap();
         assert_eq!(back.series.len(), 2, "{names:?}");
         for (one, other) in contents.series.iter().zip(&back.series) {
             assert_eq!(one.abscissa, other.abscissa, "{names:?}");

@@ -5,17 +5,16 @@ use std::io::{Cursor, Write as _};
 
 use labio::format::npy::{Blocks, Npy};
 use labio::format::npz::Npz;
-use labio::format::{Reader, Strictness, Writer};
+use labio::format::{Reader, Strictness};
 use labio::{
-    Abscissa, BlockSource, Channel, Contents, LabioError, Ordinate, Quantity, Series, SeriesAxis,
-    SeriesKind,
+    Abscissa, BlockSource, Channel, Contents, LabioError, Ordinate, Quantity, Series, SeriesKind,
 };
 use ndarray::{Array2, array};
 use ndarray_npy::{ReadNpyExt, WriteNpyExt};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use crate::series::{axis, even, real, refusals, values};
+use crate::series::{axis, bare, contents_of, even, pair, real, refusals, values, written};
 
 /// A file as NumPy 2.4 writes it: blanks pad the header so that the numbers begin at byte 128.
 fn npy(descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
@@ -35,12 +34,6 @@ fn f64s(values: &[f64]) -> Vec<u8> {
 
 fn read(bytes: &[u8]) -> Result<Contents, LabioError> {
     Npy.read(bytes, Strictness::Strict)
-}
-
-fn written(writer: &dyn Writer, contents: &Contents) -> Result<Vec<u8>, LabioError> {
-    let mut bytes = Vec::new();
-    writer.write(contents, &mut bytes)?;
-    Ok(bytes)
 }
 
 #[test]
@@ -192,27 +185,6 @@ fn what_is_wrong_is_said_with_its_place() {
     );
 }
 
-fn bare(name: &str, ordinate: Ordinate) -> Series {
-    Series {
-        name: name.to_owned(),
-        kind: SeriesKind::General,
-        abscissa: even(0.0, 1.0),
-        ordinate,
-        abscissa_axis: SeriesAxis {
-            label: "index".to_owned(),
-            ..SeriesAxis::default()
-        },
-        ordinate_axis: SeriesAxis::default(),
-        properties: Vec::new(),
-    }
-}
-
-fn contents(series: Vec<Series>) -> Contents {
-    let mut contents = Contents::of_format("computed");
-    contents.series = series;
-    contents
-}
-
 #[test]
 fn an_array_holds_numbers_and_nothing_else() {
     let series = || bare("", Ordinate::Real(vec![1.5, 2.5]));
@@ -220,20 +192,18 @@ fn an_array_holds_numbers_and_nothing_else() {
     let with = |change: fn(&mut Series)| {
         let mut series = series();
         change(&mut series);
-        refusal(contents(vec![series]))
+        refusal(contents_of(vec![series]))
     };
     let property = |key: &str, value: &str| {
         let mut series = series();
-        series.properties.push((key.to_owned(), value.to_owned()));
-        refusal(contents(vec![series]))
+        series.properties.push(pair(key, value));
+        refusal(contents_of(vec![series]))
     };
-    let mut described = contents(vec![series()]);
-    described
-        .properties
-        .push(("Operator".to_owned(), "me".to_owned()));
+    let mut described = contents_of(vec![series()]);
+    described.properties.push(pair("Operator", "me"));
     let refusals = [
         refusal(described),
-        refusal(contents(Vec::new())),
+        refusal(contents_of(Vec::new())),
         with(|s| s.name = "F".to_owned()),
         with(|s| s.ordinate_axis.unit_text = "N".to_owned()),
         with(|s| s.abscissa = even(0.0, 0.5)),
@@ -267,7 +237,7 @@ fn described() -> Contents {
     force.abscissa = even(-0.1, 1.0 / 51200.0);
     force.abscissa_axis = axis("Time", "s");
     force.ordinate_axis = axis("Force", "N");
-    force.properties.push(("block".to_owned(), "2".to_owned()));
+    force.properties.push(pair("block", "2"));
     let mut response = bare(
         "H(\u{3c9})",
         Ordinate::Complex(vec![Complex64::new(1.0, -0.0), Complex64::new(0.5, 2.0)]),
@@ -275,12 +245,9 @@ fn described() -> Contents {
     response.kind = SeriesKind::FrequencyResponse;
     response.abscissa = Abscissa::Uneven(vec![1.0, 10.0]);
     let mut counts = bare("counts", Ordinate::Real(vec![1.0, -7.0]));
-    counts
-        .properties
-        .push(("descr".to_owned(), "<i2".to_owned()));
-    let mut all = contents(vec![force, response, counts]);
-    all.properties
-        .push(("Operator".to_owned(), "S. \u{d6}deen".to_owned()));
+    counts.properties.push(pair("descr", "<i2"));
+    let mut all = contents_of(vec![force, response, counts]);
+    all.properties.push(pair("Operator", "S. \u{d6}deen"));
     all
 }
 
@@ -306,11 +273,9 @@ fn an_archive_holds_all_that_belongs_to_a_series() {
         with(|c| c.series[1].abscissa = Abscissa::Uneven(vec![1.0])),
         with(|c| c.properties[0].1 = "zero\0".to_owned()),
         with(|c| {
-            c.series[0]
-                .properties
-                .push(("array".to_owned(), "A".to_owned()));
+            c.series[0].properties.push(pair("array", "A"));
         }),
-        with(|c| *c = contents(Vec::new())),
+        with(|c| *c = contents_of(Vec::new())),
     ]
     .join("\n");
     insta::assert_snapshot!(refusals, @r#"
@@ -507,13 +472,13 @@ proptest! {
         fortran in any::<bool>(),
     ) {
         let n = rows[0].len();
-        let mut given = contents(rows.iter().enumerate().map(|(c, row)| bare(&format!("[{c}, :]"), Ordinate::Real(row.clone()))).collect());
+        let mut given = contents_of(rows.iter().enumerate().map(|(c, row)| bare(&format!("[{c}, :]"), Ordinate::Real(row.clone()))).collect());
         if given.series.len() == 1 {
             given.series[0].name = String::new();
         }
         for series in &mut given.series {
             if fortran {
-                series.properties.push(("fortran_order".to_owned(), "True".to_owned()));
+                series.properties.push(pair("fortran_order", "True"));
             }
         }
         let bytes = written(&Npy, &given).unwrap();
@@ -536,7 +501,7 @@ proptest! {
         start in -1e3..1e3_f64,
         step in prop_oneof![1e-7..1.0_f64, Just(1.0 / 51_200.0), Just(1.0 / 3.0)],
     ) {
-        let given = contents(rows.iter().enumerate().map(|(index, (samples, quantity))| Series {
+        let given = contents_of(rows.iter().enumerate().map(|(index, (samples, quantity))| Series {
             kind: SeriesKind::TimeResponse,
             abscissa: even(start, step),
             abscissa_axis: axis("Time", "s"),

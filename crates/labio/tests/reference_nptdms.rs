@@ -6,7 +6,7 @@ use labio::format::tdms::GROUP;
 use labio::{Contents, Ordinate, Series};
 use num_complex::Complex64;
 
-use crate::series::{even, property};
+use crate::series::{even, property, rows_of};
 
 const VALUES: &str = include_str!("../../../fixtures/reference/nptdms/values.csv");
 const PROPERTIES: &str = include_str!("../../../fixtures/reference/nptdms/properties.csv");
@@ -49,12 +49,7 @@ fn values_are_npt_dms_s() {
     let mut compared = 0;
     for (file, _) in FILES {
         let contents = contents(file);
-        let rows: Vec<Vec<&str>> = VALUES
-            .lines()
-            .skip(1)
-            .map(|line| line.split(',').collect())
-            .filter(|row: &Vec<&str>| row[0] == file)
-            .collect();
+        let rows = rows_of(VALUES, file);
         let total: usize = contents.series.iter().map(|s| s.ordinate.len()).sum();
         assert_eq!(total, rows.len(), "{file}");
         for row in rows {

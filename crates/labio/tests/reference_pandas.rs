@@ -4,7 +4,7 @@
 use labio::Abscissa;
 use labio::format;
 
-use crate::series::real;
+use crate::series::{real, rows_of};
 
 const VALUES: &str = include_str!("../../../fixtures/reference/pandas/values.csv");
 
@@ -27,12 +27,8 @@ const FILES: [(&str, &[u8]); 9] = files![
 ];
 
 fn rows(file: &str) -> Vec<[f64; 3]> {
-    VALUES
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').collect::<Vec<_>>())
-        .filter(|row| row[0] == file)
-        .map(|row| [2, 3, 4].map(|cell| row[cell].parse().unwrap()))
+    let rows = rows_of(VALUES, file).into_iter();
+    rows.map(|row| [2, 3, 4].map(|cell| row[cell].parse().unwrap()))
         .collect()
 }
 

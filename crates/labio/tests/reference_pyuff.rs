@@ -6,6 +6,8 @@ use labio::format::{self, Writer};
 use labio::{Abscissa, Contents, Ordinate, SeriesKind, Unit};
 use num_complex::Complex64;
 
+use crate::series::rows_of;
+
 const VALUES: &str = include_str!("../../../fixtures/reference/pyuff/values.csv");
 const OURS: &str = include_str!("../../../fixtures/reference/pyuff/ours_read_by_pyuff.csv");
 
@@ -46,18 +48,13 @@ struct Point {
 }
 
 fn points(table: &str, file: &str) -> Vec<Point> {
-    table
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').collect::<Vec<_>>())
-        .filter(|row| row[0] == file)
-        .map(|row| Point {
-            data_set: row[1].parse().unwrap(),
-            index: row[2].parse().unwrap(),
-            x: row[3].parse().unwrap(),
-            y: Complex64::new(row[4].parse().unwrap(), row[5].parse().unwrap()),
-        })
-        .collect()
+    let point = |row: Vec<&str>| Point {
+        data_set: row[1].parse().unwrap(),
+        index: row[2].parse().unwrap(),
+        x: row[3].parse().unwrap(),
+        y: Complex64::new(row[4].parse().unwrap(), row[5].parse().unwrap()),
+    };
+    rows_of(table, file).into_iter().map(point).collect()
 }
 
 fn bytes_of(file: &str) -> &'static [u8] {

@@ -3,7 +3,7 @@
 
 use labio::format;
 
-use crate::series::{even, real};
+use crate::series::{even, pair, real, rows_of};
 
 const VALUES: &str = include_str!("../../../fixtures/reference/wav/values.csv");
 
@@ -35,19 +35,12 @@ fn samples_are_libsndfiles() {
     for (file, encoding, bytes) in FILES {
         let contents = format::read_bytes(bytes).unwrap();
         assert_eq!(contents.format, "wav");
+        let properties = &contents.properties;
         assert!(
-            contents
-                .properties
-                .contains(&("encoding".to_owned(), encoding.to_owned())),
-            "{file}: {:?}",
-            contents.properties
+            properties.contains(&pair("encoding", encoding)),
+            "{file}: {properties:?}"
         );
-        let rows: Vec<Vec<&str>> = VALUES
-            .lines()
-            .skip(1)
-            .map(|line| line.split(',').collect())
-            .filter(|row: &Vec<&str>| row[0] == file)
-            .collect();
+        let rows = rows_of(VALUES, file);
         let total: usize = contents.series.iter().map(|s| s.ordinate.len()).sum();
         assert_eq!(total, rows.len(), "{file}");
         for row in rows {

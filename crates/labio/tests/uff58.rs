@@ -18,7 +18,7 @@ use labio::format::{self, Reader, Strictness, Writer};
 use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 use num_complex::Complex64;
 
-use crate::series::{even, property, values};
+use crate::series::{contents_of, even, property, values};
 
 /// Records 1 to 11 with the fields that these tests use.
 fn header(function_type: u8, data_type: u8, n: usize, even: u8) -> String {
@@ -123,14 +123,9 @@ fn measured_files_are_read() {
 }
 
 fn written(series: &Series, encoding: Encoding, precision: Precision) -> Vec<u8> {
-    let mut contents = Contents::of_format("uff58");
-    contents.series.push(series.clone());
-    let mut output = Vec::new();
-    Uff58Writer {
+    let writer = Uff58Writer {
         encoding,
         precision,
-    }
-    .write(&contents, &mut output)
-    .unwrap();
-    output
+    };
+    crate::series::written(&writer, &contents_of(vec![series.clone()])).unwrap()
 }

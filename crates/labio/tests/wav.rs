@@ -5,13 +5,11 @@ use std::io::Cursor;
 
 use labio::format::wav::{Blocks, Wav, WavEncoding, WavWriter};
 use labio::format::{Reader, Strictness, Writer};
-use labio::{
-    BlockSource, Channel, Contents, LabioError, Ordinate, Quantity, Series, SeriesAxis, SeriesKind,
-};
+use labio::{BlockSource, Channel, Contents, LabioError, Ordinate, Quantity, Series, SeriesKind};
 use ndarray::Array2;
 use proptest::prelude::*;
 
-use crate::series::{axis, defects, even, real, refusals};
+use crate::series::{axis, bare, contents_of, defects, even, pair, real, refusals, written};
 
 fn chunk(id: &[u8; 4], body: &[u8]) -> Vec<u8> {
     let mut bytes = id.to_vec();
@@ -62,10 +60,7 @@ fn integers_become_fractions_of_full_scale() {
     let step = 1.0 / 48000.0;
     assert_eq!(contents.series[1].abscissa, even(0.0, step));
     assert_eq!(contents.series[1].name, "channel 2");
-    assert_eq!(
-        contents.properties,
-        [("encoding".to_owned(), "PCM 16 bits".to_owned())]
-    );
+    assert_eq!(contents.properties, [pair("encoding", "PCM 16 bits")]);
 
     // 24 bits in an extensible header, with another chunk and a text before the samples
     let mut extensible = fmt(0xfffe, 1, 44100, 24);
@@ -84,12 +79,9 @@ fn integers_become_fractions_of_full_scale() {
     assert_eq!(real(&contents, 0), [1.0 - last, -1.0, last]);
     assert_eq!(
         contents.properties[1],
-        ("chunk cue ".to_owned(), "5 bytes, skipped".to_owned())
+        pair("chunk cue ", "5 bytes, skipped")
     );
-    assert_eq!(
-        contents.properties[2],
-        ("INAM".to_owned(), "test".to_owned())
-    );
+    assert_eq!(contents.properties[2], pair("INAM", "test"));
 
     // samples of 8 bits are unsigned, and an odd number of them is padded
     let bytes = riff(&[
@@ -131,29 +123,19 @@ fn history(name: &str, samples: Vec<f64>) -> Series {
         name: name.to_owned(),
         kind: SeriesKind::TimeResponse,
         abscissa: even(0.0, 1.0 / 51200.0),
-        ordinate: Ordinate::Real(samples),
         abscissa_axis: axis("Time", "s"),
-        ordinate_axis: SeriesAxis::default(),
-        properties: Vec::new(),
+        ..bare(name, Ordinate::Real(samples))
     }
 }
 
-fn contents(series: Vec<Series>) -> Contents {
-    let mut contents = Contents::of_format("computed");
-    contents.series = series;
-    contents
-}
-
 fn write(encoding: WavEncoding, contents: &Contents) -> Result<Vec<u8>, LabioError> {
-    let mut bytes = Vec::new();
-    WavWriter { encoding }.write(contents, &mut bytes)?;
-    Ok(bytes)
+    written(&WavWriter { encoding }, contents)
 }
 
 #[test]
 fn an_independent_library_reads_what_is_written() {
     let samples = vec![0.0, 0.5, -1.0, 0.999];
-    let given = contents(vec![history("channel 1", samples.clone())]);
+    let given = contents_of(vec![history("channel 1", samples.clone())]);
     for (encoding, full) in [
         (WavEncoding::Pcm16, 32768.0),
         (WavEncoding::Pcm24, 8_388_608.0),
@@ -176,7 +158,7 @@ fn an_independent_library_reads_what_is_written() {
 
 #[test]
 fn names_and_units_survive() {
-    let mut given = contents(vec![
+    let mut given = contents_of(vec![
         history("hammer", vec![0.5]),
         history("end A [mid]", vec![1.5]),
     ]);
@@ -194,23 +176,21 @@ fn what_does_not_fit_is_refused_before_the_first_byte() {
     let with = |change: fn(&mut Series)| {
         let mut series = good();
         change(&mut series);
-        contents(vec![good(), series])
+        contents_of(vec![good(), series])
     };
-    let mut described = contents(vec![good()]);
-    described
-        .properties
-        .push(("Operator".to_owned(), "me".to_owned()));
+    let mut described = contents_of(vec![good()]);
+    described.properties.push(pair("Operator", "me"));
     let as_float = |given: &Contents| write(WavEncoding::Float64, given);
-    let alone = |samples| contents(vec![history("a", samples)]);
+    let alone = |samples| contents_of(vec![history("a", samples)]);
     let at = |start, step| {
         let abscissa = even(start, step);
-        contents(vec![Series { abscissa, ..good() }])
+        contents_of(vec![Series { abscissa, ..good() }])
     };
     let refusals = [
         write(WavEncoding::Pcm16, &alone(vec![0.0, 1.0])),
         write(WavEncoding::Pcm24, &alone(vec![f64::NAN])),
         write(WavEncoding::Float32, &alone(vec![1e39])),
-        as_float(&contents(Vec::new())),
+        as_float(&contents_of(Vec::new())),
         as_float(&described),
         as_float(&with(|s| s.name = "x; y".to_owned())),
         as_float(&with(|s| s.ordinate = Ordinate::Real(vec![1.0]))),
@@ -218,7 +198,7 @@ fn what_does_not_fit_is_refused_before_the_first_byte() {
         as_float(&with(|s| s.kind = SeriesKind::Coherence)),
         as_float(&with(|s| s.abscissa_axis.unit_text = "ms".to_owned())),
         as_float(&with(|s| {
-            s.properties.push(("block".to_owned(), "1".to_owned()));
+            s.properties.push(pair("block", "1"));
         })),
         as_float(&at(0.0, 0.3)),
         as_float(&at(1.0, 0.5)),
@@ -329,7 +309,7 @@ fn a_stream_delivers_the_same_samples_in_si() {
             .map(|i| f64::from((i * (7 + c)) % 1000) / 1024.0)
             .collect::<Vec<_>>()
     };
-    let given = contents(vec![
+    let given = contents_of(vec![
         history("channel 1", samples(0)),
         history("channel 2", samples(1)),
     ]);
@@ -400,7 +380,7 @@ proptest! {
             proptest::collection::vec(proptest::collection::vec(any::<f64>(), n), c)
         }),
     ) {
-        let given = contents(rows.iter().enumerate().map(|(c, s)| history(&format!("r{c}"), s.clone())).collect());
+        let given = contents_of(rows.iter().enumerate().map(|(c, s)| history(&format!("r{c}"), s.clone())).collect());
         let bytes = write(WavEncoding::Float64, &given).unwrap();
         let back = read(&bytes).unwrap();
         for (c, row) in rows.iter().enumerate() {
@@ -423,7 +403,7 @@ proptest! {
             .iter()
             .map(|&level| f64::from(level >> (32 - bits)) / 2.0_f64.powi(bits - 1))
             .collect();
-        let given = contents(vec![history("channel 1", samples.clone())]);
+        let given = contents_of(vec![history("channel 1", samples.clone())]);
         let bytes = write(encoding, &given).unwrap();
         let back = read(&bytes).unwrap();
         prop_assert_eq!(real(&back, 0), &samples[..]);

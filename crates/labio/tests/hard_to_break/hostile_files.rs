@@ -5,11 +5,10 @@ use std::io::Write as _;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use labio::format::{MemoryLimit, Reader, Strictness, mat5, npz};
-use labio::{
-    Abscissa, Contents, LabioError, Ordinate, Provenance, Series, SeriesAxis, SeriesKind, Unit,
-    Welch,
-};
+use labio::{Contents, LabioError, Ordinate, Provenance, Series, SeriesKind, Welch};
 use zip::write::SimpleFileOptions;
+
+use crate::series::{axis, bare, contents_of, even};
 
 const BOTH: [Strictness; 2] = [Strictness::Strict, Strictness::Tolerant];
 
@@ -162,20 +161,13 @@ fn r20_a_small_archive_is_not_unpacked_beyond_the_limit() {
     assert_eq!(read(40_000_000).unwrap().series.len(), 12);
 }
 
-fn history(name: String, start: f64) -> Series {
-    let axis = |unit: &str| SeriesAxis {
-        unit_text: unit.to_owned(),
-        unit: Unit::parse(unit).ok(),
-        ..SeriesAxis::default()
-    };
+fn history(name: &str, start: f64) -> Series {
     Series {
-        name,
         kind: SeriesKind::TimeResponse,
-        abscissa: Abscissa::Even { start, step: 0.5 },
-        ordinate: Ordinate::Real(vec![1.0, 2.0]),
-        abscissa_axis: axis("s"),
-        ordinate_axis: axis("N"),
-        properties: Vec::new(),
+        abscissa: even(start, 0.5),
+        abscissa_axis: axis("", "s"),
+        ordinate_axis: axis("", "N"),
+        ..bare(name, Ordinate::Real(vec![1.0, 2.0]))
     }
 }
 
@@ -184,18 +176,17 @@ fn history(name: String, start: f64) -> Series {
 fn r20_a_hundred_thousand_series_are_put_together_one_by_one() {
     const N: u32 = 100_000;
     let records = |series: &dyn Fn(u32) -> Series| {
-        let mut contents = Contents::of_format("test");
-        contents.series = (0..N).map(series).collect();
+        let contents = contents_of((0..N).map(series).collect());
         let found = contents.records(&Provenance::computed("test"));
         assert!(found.left_out.is_empty());
         found.records
     };
     // three cases: hits of one channel, series with different time axes, channels of one record
-    let hits = records(&|_| history("force".to_owned(), 0.0));
+    let hits = records(&|_| history("force", 0.0));
     assert_eq!(hits.len(), N as usize);
-    let axes = records(&|i| history("force".to_owned(), f64::from(i)));
+    let axes = records(&|i| history("force", f64::from(i)));
     assert_eq!(axes.len(), N as usize);
-    let channels = records(&|i| history(format!("gauge {i}"), 0.0));
+    let channels = records(&|i| history(&format!("gauge {i}"), 0.0));
     assert_eq!(channels.len(), 1);
     assert_eq!(channels[0].channels().len(), N as usize);
 }

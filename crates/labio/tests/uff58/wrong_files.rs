@@ -139,11 +139,9 @@ fn what_has_no_place_is_refused_before_the_first_byte() {
         "  1.00000E+00 -2.00000E+00  3.00000E+00 -4.00000E+00\n",
     ));
     let with = |change: fn(&mut Series)| {
-        let mut contents = Contents::of_format("uff58");
-        contents.series.push(good.clone());
         let mut changed = good.clone();
         change(&mut changed);
-        contents.series.push(changed);
+        let contents = contents_of(vec![good.clone(), changed]);
         let writer = Uff58Writer {
             encoding: Encoding::Binary(ByteOrder::LittleEndian),
             precision: Precision::AsRead,
