@@ -224,7 +224,7 @@ impl FrequencyResponse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AddedDamping, AveragedSpectra, Provenance, Record, SpectrumAverager, Window};
+    use crate::{AddedDamping, AveragedSpectra, Record, SpectrumAverager, Window};
     use ndarray::Array2;
     use std::f64::consts::TAU;
 
@@ -311,13 +311,13 @@ mod tests {
         assert_eq!(mobility.invalid_lines().count(), 1);
 
         // with an exponential window the line at 0 Hz is at s = sigma
-        let channels = accelerance_channels();
-        let mut averager = SpectrumAverager::new(&channels, 4, 10.0, Window::Rectangular)
+        let samples = ndarray::array![[1.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0]];
+        let channels = [("f", Quantity::Force), ("x", Quantity::Acceleration)];
+        let hit = Record::of_test(samples, 10.0, &channels);
+        let mut averager = SpectrumAverager::new(hit.channels(), 4, 10.0, Window::Rectangular)
             .unwrap()
             .with_exponential_window(AddedDamping::new(2.0).unwrap())
             .unwrap();
-        let samples = ndarray::array![[1.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0]];
-        let hit = Record::new(samples, 10.0, 0.0, channels, Provenance::computed("t")).unwrap();
         averager.add(&hit).unwrap();
         let response = averager.spectra().unwrap().h1("f", "x").unwrap();
         let mobility = response.to_kind(ResponseKind::Mobility).unwrap();
@@ -325,13 +325,6 @@ mod tests {
         assert!((mobility.values[0] - 1.5).norm() < 1e-15);
         let s = Complex64::new(2.0, TAU * 2.5);
         assert!((mobility.values[1] - 3.0 / s).norm() < 1e-15);
-    }
-
-    fn accelerance_channels() -> Vec<Channel> {
-        vec![
-            Channel::new("f", Quantity::Force).unwrap(),
-            Channel::new("x", Quantity::Acceleration).unwrap(),
-        ]
     }
 
     #[test]

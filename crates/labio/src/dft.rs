@@ -10,30 +10,24 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 thread_local! {
     /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as
     /// much as several transforms.
-    static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
+    static PLANS: RefCell<Plans> = RefCell::default();
 }
 
 /// Number of lengths whose plans are kept. A laboratory uses one or two; a program that tries
 /// thousands should not keep them all.
 const KEPT_LENGTHS: usize = 16;
 
+#[derive(Default)]
 struct Plans {
     planner: RealFftPlanner<f64>,
     lengths: Vec<usize>,
 }
 
 impl Plans {
-    fn empty() -> Self {
-        Self {
-            planner: RealFftPlanner::new(),
-            lengths: Vec::new(),
-        }
-    }
-
     fn of(&mut self, n_samples: usize) -> &mut RealFftPlanner<f64> {
         if !self.lengths.contains(&n_samples) {
             if self.lengths.len() == KEPT_LENGTHS {
-                *self = Self::empty();
+                *self = Self::default();
             }
             self.lengths.push(n_samples);
         }

@@ -411,6 +411,19 @@ pub(crate) fn count_mismatch<T>(
     })
 }
 
+/// Returns the error [`LabioError::UnitMismatch`].
+pub(crate) fn unit_mismatch<T>(
+    what: impl Into<String>,
+    found: impl Into<String>,
+    expected: impl Into<String>,
+) -> Result<T, LabioError> {
+    Err(LabioError::UnitMismatch {
+        what: what.into(),
+        found: found.into(),
+        expected: expected.into(),
+    })
+}
+
 /// Returns the error [`LabioError::TooFewSamples`].
 pub(crate) fn too_few_samples<T>(
     what: &'static str,

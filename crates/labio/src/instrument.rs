@@ -88,10 +88,7 @@ impl Instrument {
     /// another chain simulates an error of calibration.
     #[must_use]
     pub fn sense(self, channel: impl Into<String>, chain: SensorChain) -> Self {
-        self.then(Stage::Sense {
-            channel: channel.into(),
-            chain: Box::new(chain),
-        })
+        self.then(Stage::Sense(channel.into(), Box::new(chain)))
     }
 
     /// Multiplies a channel by a factor: a gain error of 0.5 % is the factor 1.005.
@@ -100,11 +97,8 @@ impl Instrument {
     ///
     /// [`LabioError::NonPhysical`] if the factor is not finite.
     pub fn gain(self, channel: impl Into<String>, factor: f64) -> Result<Self, LabioError> {
-        let stage = Stage::Gain {
-            channel: channel.into(),
-            factor: check_finite("gain of a channel", factor)?,
-        };
-        Ok(self.then(stage))
+        let factor = check_finite("gain of a channel", factor)?;
+        Ok(self.then(Stage::Gain(channel.into(), factor)))
     }
 
     /// Adds a constant to a channel.
@@ -113,11 +107,8 @@ impl Instrument {
     ///
     /// [`LabioError::NonPhysical`] if the constant is not finite.
     pub fn offset(self, channel: impl Into<String>, value: f64) -> Result<Self, LabioError> {
-        let stage = Stage::Offset {
-            channel: channel.into(),
-            value: check_finite("offset of a channel", value)?,
-        };
-        Ok(self.then(stage))
+        let value = check_finite("offset of a channel", value)?;
+        Ok(self.then(Stage::Offset(channel.into(), value)))
     }
 
     /// Delays a channel by `time` \[s\] (advances it if negative), by band-limited interpolation.
@@ -132,11 +123,8 @@ impl Instrument {
     /// [`LabioError::NonPhysical`] if the time is not finite and, when recording, if it exceeds the
     /// duration.
     pub fn delay(self, channel: impl Into<String>, time: f64) -> Result<Self, LabioError> {
-        let stage = Stage::Delay {
-            channel: channel.into(),
-            time: check_finite("delay of a channel [s]", time)?,
-        };
-        Ok(self.then(stage))
+        let time = check_finite("delay of a channel [s]", time)?;
+        Ok(self.then(Stage::Delay(channel.into(), time)))
     }
 
     /// Rounds a channel to multiples of `step`, the resolution of a transducer.
@@ -145,21 +133,15 @@ impl Instrument {
     ///
     /// [`LabioError::NonPhysical`] if the step is not positive.
     pub fn resolution(self, channel: impl Into<String>, step: f64) -> Result<Self, LabioError> {
-        let stage = Stage::Resolution {
-            channel: channel.into(),
-            step: check_positive("resolution of a channel", step)?,
-        };
-        Ok(self.then(stage))
+        let step = check_positive("resolution of a channel", step)?;
+        Ok(self.then(Stage::Resolution(channel.into(), step)))
     }
 
     /// Adds Gaussian noise with this spectrum, up to half the sampling rate of the signals at this
     /// stage.
     #[must_use]
     pub fn noise(self, channel: impl Into<String>, spectrum: NoiseSpectrum) -> Self {
-        self.then(Stage::Noise {
-            channel: channel.into(),
-            spectrum,
-        })
+        self.then(Stage::Noise(channel.into(), spectrum))
     }
 
     /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, with `matrix` of shape
@@ -172,7 +154,7 @@ impl Instrument {
         for &coefficient in &matrix {
             check_finite("coefficient of cross-talk", coefficient)?;
         }
-        Ok(self.then(Stage::CrossTalk { matrix }))
+        Ok(self.then(Stage::CrossTalk(matrix)))
     }
 
     /// Filters all channels by the exact frequency response of the analogue filter at every line of
@@ -184,7 +166,7 @@ impl Instrument {
     /// their sampling rate.
     #[must_use]
     pub fn anti_alias(self, filter: AntiAlias) -> Self {
-        self.then(Stage::AntiAlias { filter })
+        self.then(Stage::AntiAlias(filter))
     }
 
     /// Samples the signals at `rate_hz`; each sample is the mean over `aperture` \[s\] centred on
@@ -206,19 +188,13 @@ impl Instrument {
     /// Digitises all channels.
     #[must_use]
     pub fn convert(self, converter: Converter) -> Self {
-        self.then(Stage::Convert {
-            channel: None,
-            converter,
-        })
+        self.then(Stage::Convert(None, converter))
     }
 
     /// Digitises one channel.
     #[must_use]
     pub fn convert_channel(self, channel: impl Into<String>, converter: Converter) -> Self {
-        self.then(Stage::Convert {
-            channel: Some(channel.into()),
-            converter,
-        })
+        self.then(Stage::Convert(Some(channel.into()), converter))
     }
 
     /// Returns the record of `history`. The same random generator in the same state gives the same

@@ -7,6 +7,8 @@ mod entering;
 
 pub use agreement::Agreement;
 
+use std::fmt;
+
 use ndarray::Array2;
 use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, Gamma};
@@ -201,17 +203,11 @@ impl MergedResponse {
                 .iter()
                 .map(|(h, p)| p * p * common_variance(&tests[*h], line, value.norm_sqr()))
                 .sum();
-            let cost = of(&|test| 1.0 / freedom_at(test, line));
-            let cost = cost
-                - shares
-                    .iter()
-                    .map(|(h, p)| p * p / freedom_at(&tests[*h], line))
-                    .sum::<f64>();
-            let freedom = 1.0
-                / shares
-                    .iter()
-                    .map(|(h, p)| p * p / freedom_at(&tests[*h], line))
-                    .sum::<f64>();
+            let of_squares: f64 = shares
+                .iter()
+                .map(|(h, p)| p * p / freedom_at(&tests[*h], line))
+                .sum();
+            let cost = of(&|test| 1.0 / freedom_at(test, line)) - of_squares;
             for (h, share) in &shares {
                 merged.shares[(*h, line)] = *share;
             }
@@ -222,7 +218,7 @@ impl MergedResponse {
                 variances[line] = scatter * (1.0 + 4.0 * cost);
             }
             if let Some(degrees) = &mut response.degrees_of_freedom {
-                degrees[line] = freedom;
+                degrees[line] = 1.0 / of_squares;
             }
             if let Some(bias) = &mut response.noise_bias {
                 bias[line] = of(&|test| test.noise_bias.as_ref().map_or(f64::NAN, |b| b[line]));
@@ -394,50 +390,38 @@ fn check_alike(
     test: &FrequencyResponse,
     index: usize,
 ) -> Result<(), LabioError> {
-    let differ = |what, found: String, expected: String| {
+    let differ = |what, found: &dyn fmt::Display, expected: &dyn fmt::Display| {
         Err(LabioError::ResponseMismatch {
             what,
             index,
-            found,
-            expected,
+            found: found.to_string(),
+            expected: expected.to_string(),
         })
     };
     if test.n_samples != first.n_samples {
-        let (found, expected) = (test.n_samples, first.n_samples);
-        return differ("number of samples", found.to_string(), expected.to_string());
+        return differ("number of samples", &test.n_samples, &first.n_samples);
     }
-    if test.values.len() != first.values.len() {
-        let (found, expected) = (test.values.len(), first.values.len());
-        return differ("number of lines", found.to_string(), expected.to_string());
+    let lines = |r: &FrequencyResponse| r.values.len();
+    if lines(test) != lines(first) {
+        return differ("number of lines", &lines(test), &lines(first));
     }
-    for (what, found, expected) in [
-        ("input", &test.input, &first.input),
-        ("output", &test.output, &first.output),
-    ] {
-        if found != expected {
-            return differ(what, found.to_string(), expected.to_string());
-        }
+    if test.input != first.input {
+        return differ("input", &test.input, &first.input);
+    }
+    if test.output != first.output {
+        return differ("output", &test.output, &first.output);
     }
     if test.estimator != first.estimator {
-        let (found, expected) = (test.estimator, first.estimator);
-        return differ("estimator", format!("{found:?}"), format!("{expected:?}"));
+        let name = |r: &FrequencyResponse| format!("{:?}", r.estimator);
+        return differ("estimator", &name(test), &name(first));
     }
     if test.added_damping != first.added_damping {
         let rate = |r: &FrequencyResponse| r.added_damping.map_or(0.0, |w| w.decay_rate());
-        let (found, expected) = (rate(test), rate(first));
-        return differ(
-            "added decay rate [1/s]",
-            found.to_string(),
-            expected.to_string(),
-        );
+        return differ("added decay rate [1/s]", &rate(test), &rate(first));
     }
     for (found, expected) in test.frequency_hz.iter().zip(&first.frequency_hz) {
         if (found - expected).abs() > FREQUENCY_TOLERANCE * expected {
-            return differ(
-                "frequency of a line [Hz]",
-                found.to_string(),
-                expected.to_string(),
-            );
+            return differ("frequency of a line [Hz]", found, expected);
         }
     }
     Ok(())

@@ -85,7 +85,8 @@ impl AveragedSpectra {
         for hit in hits {
             averager.add(hit)?;
         }
-        averager.into_spectra()
+        let effective_averages = averager.n_averages() as f64;
+        averager.into_averages(effective_averages)
     }
 
     /// The channels, in the order of the hits' rows.

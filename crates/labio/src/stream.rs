@@ -61,10 +61,55 @@ impl<S: BlockSource + ?Sized> BlockSource for Box<S> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::hits::{Criteria, Extent, Trigger, find_hits_in_blocks};
     use crate::{CalibratedBlocks, Provenance, Quantity, Rating, SensorChain, Welch};
+
+    /// Samples that are passed on in blocks of at most `at_most`.
+    pub(crate) struct Played {
+        channels: Vec<Channel>,
+        samples: Array2<f64>,
+        at_most: usize,
+        at: usize,
+    }
+
+    impl Played {
+        pub(crate) fn new(channels: &[Channel], samples: Array2<f64>, at_most: usize) -> Self {
+            Self {
+                channels: channels.to_vec(),
+                samples,
+                at_most,
+                at: 0,
+            }
+        }
+    }
+
+    impl BlockSource for Played {
+        fn channels(&self) -> &[Channel] {
+            &self.channels
+        }
+
+        fn sampling_rate_hz(&self) -> f64 {
+            100.0
+        }
+
+        fn n_samples(&self) -> Option<u64> {
+            Some(self.samples.ncols() as u64)
+        }
+
+        fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
+            let left = self.samples.ncols() - self.at;
+            let n = left.min(self.at_most).min(block.ncols());
+            for k in 0..n {
+                block
+                    .column_mut(k)
+                    .assign(&self.samples.column(self.at + k));
+            }
+            self.at += n;
+            Ok(n)
+        }
+    }
 
     /// A faulty source that claims to have filled the block, and replaces it by one of `shape`.
     struct Careless {

@@ -37,7 +37,7 @@ use rand::RngExt;
 use testbed::half_sine::half_sine;
 use testbed::noise::Noise;
 
-use crate::records::record_of;
+use crate::records::{InBlocks, record_of};
 
 const RATE_HZ: f64 = 10_000.0;
 const ONSET: usize = 500;

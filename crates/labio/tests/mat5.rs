@@ -85,7 +85,13 @@ impl Bytes {
         bytes
     }
 
-    fn matrix(&self, class: u32, shape: &[u32], name: &str, parts: &[Vec<u8>]) -> Vec<u8> {
+    pub(crate) fn matrix(
+        &self,
+        class: u32,
+        shape: &[u32],
+        name: &str,
+        parts: &[Vec<u8>],
+    ) -> Vec<u8> {
         let mut body = self.element(6, &self.words(&[class, 0]));
         body.extend(self.element(5, &self.words(shape)));
         body.extend(self.element(1, name.as_bytes()));

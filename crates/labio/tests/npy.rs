@@ -17,7 +17,7 @@ use proptest::prelude::*;
 use crate::series::{axis, bare, contents_of, even, pair, real, refusals, values, written};
 
 /// A file as NumPy 2.4 writes it: blanks pad the header so that the numbers begin at byte 128.
-fn npy(descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+pub(crate) fn npy(descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let mut text =
         format!("{{'descr': '{descr}', 'fortran_order': {fortran_order}, 'shape': {shape}, }}");
     text.extend(std::iter::repeat_n(' ', 117 - text.len()));
@@ -292,10 +292,13 @@ fn an_archive_holds_all_that_belongs_to_a_series() {
 }
 
 fn archive(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    archive_by(zip::CompressionMethod::Stored, members)
+}
+
+pub(crate) fn archive_by(method: zip::CompressionMethod, members: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in members {
-        let options = zip::write::SimpleFileOptions::default()
-            .compression_method(zip::CompressionMethod::Stored);
+        let options = zip::write::SimpleFileOptions::default().compression_method(method);
         writer.start_file(*name, options).unwrap();
         writer.write_all(bytes).unwrap();
     }

@@ -99,34 +99,9 @@ impl<S: BlockSource> BlockSource for CalibratedBlocks<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stream::tests::Played;
     use crate::{Quantity, Rating};
-
-    /// Three samples of two channels, one per block.
-    #[derive(Debug)]
-    struct Ramp(Vec<Channel>, f64);
-
-    impl BlockSource for Ramp {
-        fn channels(&self) -> &[Channel] {
-            &self.0
-        }
-
-        fn sampling_rate_hz(&self) -> f64 {
-            10.0
-        }
-
-        fn n_samples(&self) -> Option<u64> {
-            Some(3)
-        }
-
-        fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
-            if self.1 > 2.5 {
-                return Ok(0);
-            }
-            block.column_mut(0).fill(self.1);
-            self.1 += 1.0;
-            Ok(1)
-        }
-    }
+    use ndarray::array;
 
     #[test]
     fn named_channels_are_calibrated_and_the_others_pass() {
@@ -135,7 +110,9 @@ mod tests {
             let sensitivity = Rating::new(0.5, unit).unwrap();
             SensorChain::of_sensitivity(sensitivity).unwrap()
         };
-        let source = || Ramp(channels.to_vec(), 0.0);
+        // three samples, one per block
+        let ramp = array![[0.0, 1.0, 2.0], [0.0, 1.0, 2.0]];
+        let source = || Played::new(&channels, ramp.clone(), 1);
         let named = |unit| vec![("force".to_owned(), chain(unit))];
         let mut newtons = CalibratedBlocks::new(source(), named("V/N")).unwrap();
         assert_eq!(newtons.channels()[0].quantity(), Quantity::Force);

@@ -1,6 +1,6 @@
 //! Values from data sheets.
 
-use crate::error::{check_finite, check_not_negative};
+use crate::error::{check_finite, check_not_negative, unit_mismatch};
 use crate::{LabioError, Quantity, Unit};
 
 /// A value from a data sheet or a certificate, with its unit and standard uncertainty.
@@ -85,11 +85,8 @@ impl Rating {
         if self.unit.dimension() == expected.dimension() {
             Ok(())
         } else {
-            Err(LabioError::UnitMismatch {
-                what: what.to_owned(),
-                found: self.unit.to_string(),
-                expected: format!("a unit of {}", expected.unit()),
-            })
+            let expected = format!("a unit of {}", expected.unit());
+            unit_mismatch(what, self.unit.to_string(), expected)
         }
     }
 }

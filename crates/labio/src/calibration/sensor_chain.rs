@@ -1,7 +1,7 @@
 //! The measuring chain of one channel, from the quantity to the recorded number.
 
 use super::{Date, Rating, StrainBridge};
-use crate::error::{check_finite, check_not_negative, check_positive};
+use crate::error::{check_finite, check_not_negative, check_positive, unit_mismatch};
 use crate::{Dimension, LabioError, Quantity};
 
 /// The transducer, which converts the physical quantity into an electrical one.
@@ -312,68 +312,48 @@ impl SensorChain {
                 (at_transducer == Some(Quantity::Voltage.dimension())).then_some(Quantity::Strain)
             }
         };
-        let is_signal = matches!(recorded, Quantity::Voltage | Quantity::Charge);
-        if let (None, false, Transducer::Sensitivity(sensitivity)) =
-            (felt, is_signal, &self.transducer)
-        {
-            return Err(LabioError::UnitMismatch {
-                what: "the file".to_owned(),
-                found: recorded.unit().to_owned(),
-                expected: format!(
-                    "the unit of a signal, such as V; if the file is in {} already, leave out the sensitivity in {}",
-                    recorded.unit(),
-                    sensitivity.unit()
-                ),
-            });
+        if let Some(felt) = felt {
+            return Ok(felt);
         }
-        if let (None, Transducer::Sensitivity(sensitivity)) = (felt, &self.transducer)
-            && sensitivity.unit().symbol().ends_with('V')
-        {
-            return Err(LabioError::UnitMismatch {
-                what: "the sensitivity".to_owned(),
-                found: sensitivity.unit().to_string(),
-                expected: "its reciprocal, the signal divided by the measured quantity, such as \"2.25 mV/N\"".to_owned(),
-            });
+        let (unit, gain) = (recorded.unit(), self.gain.unit());
+        let channel = format!("a channel recorded in {unit}");
+        let Transducer::Sensitivity(sensitivity) = &self.transducer else {
+            let found = format!("{unit} divided by {gain}");
+            return unit_mismatch(channel, found, "a bridge voltage");
+        };
+        let sensitivity = sensitivity.unit();
+        if !matches!(recorded, Quantity::Voltage | Quantity::Charge) {
+            let expected = format!(
+                "the unit of a signal, such as V; if the file is in {unit} already, leave out the sensitivity in {sensitivity}"
+            );
+            return unit_mismatch("the file", unit, expected);
         }
-        if let (None, Transducer::Sensitivity(sensitivity)) = (felt, &self.transducer)
-            && at_transducer == Some(Quantity::Voltage.dimension())
-            && Quantity::Charge
-                .dimension()
-                .quotient(sensitivity.unit().dimension())
-                .and_then(Quantity::of_dimension)
-                .is_some()
-        {
-            return Err(LabioError::UnitMismatch {
-                what: "the record".to_owned(),
-                found: recorded.unit().to_owned(),
-                expected: format!(
-                    "{} for a sensitivity in {}: with a charge amplifier, state its gain, such as \"10 mV/pC\"",
-                    Quantity::Charge.unit(),
-                    sensitivity.unit()
-                ),
-            });
+        if sensitivity.symbol().ends_with('V') {
+            return unit_mismatch(
+                "the sensitivity",
+                sensitivity.to_string(),
+                "its reciprocal, the signal divided by the measured quantity, such as \"2.25 mV/N\"",
+            );
         }
-        felt.ok_or_else(|| LabioError::UnitMismatch {
-            what: format!("a channel recorded in {}", recorded.unit()),
-            found: match &self.transducer {
-                Transducer::Sensitivity(sensitivity) => format!(
-                    "{} divided by {} and {}",
-                    recorded.unit(),
-                    self.gain.unit(),
-                    sensitivity.unit()
-                ),
-                Transducer::Bridge(_) => {
-                    format!("{} divided by {}", recorded.unit(), self.gain.unit())
-                }
-            },
-            expected: match &self.transducer {
-                Transducer::Sensitivity(sensitivity) => format!(
-                    "the unit of a channel quantity{}",
-                    misread(sensitivity.unit().symbol())
-                ),
-                Transducer::Bridge(_) => "a bridge voltage".to_owned(),
-            },
-        })
+        let of_charge = Quantity::Charge
+            .dimension()
+            .quotient(sensitivity.dimension())
+            .and_then(Quantity::of_dimension);
+        if at_transducer == Some(Quantity::Voltage.dimension()) && of_charge.is_some() {
+            let charge = Quantity::Charge.unit();
+            let expected = format!(
+                "{charge} for a sensitivity in {sensitivity}: with a charge amplifier, state its gain, such as \"10 mV/pC\""
+            );
+            return unit_mismatch("the record", unit, expected);
+        }
+        unit_mismatch(
+            channel,
+            format!("{unit} divided by {gain} and {sensitivity}"),
+            format!(
+                "the unit of a channel quantity{}",
+                misread(sensitivity.symbol())
+            ),
+        )
     }
 
     /// Returns the quantity, in SI units, for the recorded number `recorded` (in SI units); NaN for

@@ -117,13 +117,7 @@ fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
             expected: "'<f8'",
         });
     }
-    let &[n_rows, n_samples] = shape.as_slice() else {
-        return Err(LabioError::WrongDimensions {
-            format: FORMAT,
-            found: shape.len(),
-            expected: 2,
-        });
-    };
+    let [n_rows, n_samples] = two_axes(&shape)?;
     let values = match Array::read(bytes, FORMAT, "")?.values {
         Values::Real(values) => values,
         Values::Complex(_) | Values::Text(_) => Vec::new(),
@@ -133,6 +127,28 @@ fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
         .ok()
         .filter(|array| !array.is_empty())
         .ok_or(LabioError::NoData { format: FORMAT })
+}
+
+/// Returns the lengths of the two axes of an array.
+fn two_axes(shape: &[usize]) -> Result<[usize; 2], LabioError> {
+    shape.try_into().map_err(|_| LabioError::WrongDimensions {
+        format: FORMAT,
+        found: shape.len(),
+        expected: 2,
+    })
+}
+
+/// Accepts the step from the time at `index` to the next if it is close to the mean step.
+fn check_step(index: usize, found: f64, expected: f64) -> Result<(), LabioError> {
+    if (found - expected).abs() <= TIME_STEP_TOLERANCE * expected {
+        return Ok(());
+    }
+    Err(LabioError::NonUniformTime {
+        index,
+        found,
+        expected,
+        tolerance: TIME_STEP_TOLERANCE,
+    })
 }
 
 /// Start and rate of a row of evenly spaced times.
@@ -153,15 +169,7 @@ impl Clock {
             (last - first) / (times.len() - 1) as f64,
         )?;
         for (index, (earlier, later)) in times.iter().zip(times.iter().skip(1)).enumerate() {
-            let found = later - earlier;
-            if (found - expected).abs() > TIME_STEP_TOLERANCE * expected {
-                return Err(LabioError::NonUniformTime {
-                    index,
-                    found,
-                    expected,
-                    tolerance: TIME_STEP_TOLERANCE,
-                });
-            }
+            check_step(index, later - earlier, expected)?;
         }
         Ok(Self {
             start_time: first,

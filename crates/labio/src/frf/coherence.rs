@@ -113,15 +113,7 @@ impl AveragedSpectra {
         if self.can_have_coherence() {
             Ok(())
         } else {
-            too_few_averages(
-                estimate,
-                if self.n_averages() < 2 {
-                    self.n_averages()
-                } else {
-                    1
-                },
-                2,
-            )
+            too_few_averages(estimate, self.n_averages().min(1), 2)
         }
     }
 }

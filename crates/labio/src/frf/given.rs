@@ -267,27 +267,25 @@ impl FrequencyResponse {
 mod tests {
     use super::*;
     use crate::{
-        AveragedSpectra, MergedResponse, Provenance, Quantity, Record, ResponseKind, RigidBand,
-        RigidBody, Window,
+        AveragedSpectra, MergedResponse, Quantity, Record, ResponseKind, RigidBand, RigidBody,
+        Window,
     };
     use ndarray::Array2;
 
+    const CHANNELS: [(&str, Quantity); 2] =
+        [("force", Quantity::Force), ("velocity", Quantity::Velocity)];
+
     fn channels() -> [Channel; 2] {
-        [
-            Channel::new("force", Quantity::Force).unwrap(),
-            Channel::new("velocity", Quantity::Velocity).unwrap(),
-        ]
+        CHANNELS.map(|(name, quantity)| Channel::new(name, quantity).unwrap())
     }
 
-    /// Three hits on a damper with a disturbance that differs from hit to hit.
     fn averaged() -> FrequencyResponse {
         let hits = [1.0, -2.0, 0.5].map(|disturbance: f64| {
             let mut samples = Array2::zeros((2, 16));
             samples[(0, 2)] = 1.0;
             samples[(1, 2)] = 3.0;
             samples[(1, 5)] = 0.1 * disturbance;
-            let from = Provenance::computed("damper");
-            Record::new(samples, 160.0, 0.0, channels().to_vec(), from).unwrap()
+            Record::of_test(samples, 160.0, &CHANNELS)
         });
         let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
         spectra.h1("force", "velocity").unwrap()
@@ -335,27 +333,13 @@ mod tests {
             .with_variance(vec![f64::NAN, 1.0, 1.0, 1.0, 1.0]);
         assert!(with.unwrap().variance.unwrap()[0].is_nan());
         let refusals = [
-            of(vec![Complex64::ONE; 2]).unwrap_err().to_string(),
-            response
-                .clone()
-                .with_variance(vec![0.0; 4])
-                .unwrap_err()
-                .to_string(),
-            response
-                .clone()
-                .with_variance(vec![-1.0; 5])
-                .unwrap_err()
-                .to_string(),
-            response
-                .clone()
-                .with_coherence(vec![1.1; 5], 4)
-                .unwrap_err()
-                .to_string(),
-            response
-                .with_coherence(vec![0.9; 5], 1)
-                .unwrap_err()
-                .to_string(),
-        ];
+            of(vec![Complex64::ONE; 2]),
+            response.clone().with_variance(vec![0.0; 4]),
+            response.clone().with_variance(vec![-1.0; 5]),
+            response.clone().with_coherence(vec![1.1; 5], 4),
+            response.with_coherence(vec![0.9; 5], 1),
+        ]
+        .map(|answer| answer.unwrap_err().to_string());
         assert_eq!(
             refusals,
             [

@@ -162,10 +162,7 @@ impl HitLog {
     pub fn accept(&mut self, number: usize, because: impl Into<String>) -> Result<(), LabioError> {
         let hit = self.hit_mut(number)?;
         if hit.record.is_none() {
-            return Err(LabioError::NoSuchHit {
-                number,
-                reason: "has no samples",
-            });
+            return Err(no_such_hit(number, "has no samples"));
         }
         hit.ruling = Some(Ruling::Accepted {
             because: because.into(),
@@ -223,10 +220,7 @@ impl HitLog {
     ) -> Result<(), LabioError> {
         let hit = self.hit_mut(number)?;
         let Some(record) = &hit.record else {
-            return Err(LabioError::NoSuchHit {
-                number,
-                reason: "has no samples",
-            });
+            return Err(no_such_hit(number, "has no samples"));
         };
         hit.record = Some(changed(record)?);
         Ok(())
@@ -236,11 +230,12 @@ impl HitLog {
         number
             .checked_sub(1)
             .and_then(|index| self.hits.get_mut(index))
-            .ok_or(LabioError::NoSuchHit {
-                number,
-                reason: "does not exist",
-            })
+            .ok_or(no_such_hit(number, "does not exist"))
     }
+}
+
+fn no_such_hit(number: usize, reason: &'static str) -> LabioError {
+    LabioError::NoSuchHit { number, reason }
 }
 
 impl fmt::Display for HitLog {

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use rand::Rng;
 
 use super::{AntiAlias, Converter, NoiseSpectrum, Saturation};
-use crate::error::check_count;
+use crate::error::{check_count, non_physical};
 use crate::filter::{delayed, filtered};
 use crate::{Channel, LabioError, Quantity, SensorChain, channel};
 
@@ -13,47 +13,27 @@ use crate::{Channel, LabioError, Quantity, SensorChain, channel};
 /// few digits.
 const RATIO_TOLERANCE: f64 = 1e-9;
 
-/// One stage of an instrument.
+/// One stage of an instrument; those of one channel begin with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Stage {
-    Sense {
-        channel: String,
-        chain: Box<SensorChain>,
-    },
-    Gain {
-        channel: String,
-        factor: f64,
-    },
-    Offset {
-        channel: String,
-        value: f64,
-    },
-    Delay {
-        channel: String,
-        time: f64,
-    },
-    Resolution {
-        channel: String,
-        step: f64,
-    },
-    Noise {
-        channel: String,
-        spectrum: NoiseSpectrum,
-    },
-    CrossTalk {
-        matrix: Array2<f64>,
-    },
-    AntiAlias {
-        filter: AntiAlias,
-    },
+    Sense(String, Box<SensorChain>),
+    /// A factor.
+    Gain(String, f64),
+    /// A constant to be added.
+    Offset(String, f64),
+    /// A time \[s\].
+    Delay(String, f64),
+    /// A step of the samples.
+    Resolution(String, f64),
+    Noise(String, NoiseSpectrum),
+    CrossTalk(Array2<f64>),
+    AntiAlias(AntiAlias),
     Sample {
         rate_hz: f64,
         aperture: f64,
     },
-    Convert {
-        channel: Option<String>,
-        converter: Converter,
-    },
+    /// One channel or, without a name, all.
+    Convert(Option<String>, Converter),
 }
 
 /// The state between two stages.
@@ -77,32 +57,32 @@ impl Signals {
     ) -> Result<(), LabioError> {
         let rate_hz = self.rate_hz;
         match stage {
-            Stage::Sense { channel, chain } => self.sense(channel, chain)?,
-            Stage::Gain { channel, factor } => self.row(channel)?.map_inplace(|x| *x *= factor),
-            Stage::Offset { channel, value } => self.row(channel)?.map_inplace(|x| *x += value),
-            Stage::Delay { channel, time } => {
+            Stage::Sense(channel, chain) => self.sense(channel, chain)?,
+            Stage::Gain(channel, factor) => self.row(channel)?.map_inplace(|x| *x *= factor),
+            Stage::Offset(channel, value) => self.row(channel)?.map_inplace(|x| *x += value),
+            Stage::Delay(channel, time) => {
                 let duration = self.samples.ncols() as f64 / rate_hz;
                 if time.abs() >= duration {
-                    return Err(LabioError::NonPhysical {
-                        quantity: "delay of a channel [s]",
-                        value: *time,
-                        expected: "less than the duration of the history",
-                    });
+                    return non_physical(
+                        "delay of a channel [s]",
+                        *time,
+                        "less than the duration of the history",
+                    );
                 }
                 let row = self.row(channel)?;
                 replace(row, |samples| delayed(samples, time * rate_hz));
             }
-            Stage::Resolution { channel, step } => {
+            Stage::Resolution(channel, step) => {
                 self.row(channel)?
                     .map_inplace(|x| *x = (*x / step).round() * step);
             }
-            Stage::Noise { channel, spectrum } => {
+            Stage::Noise(channel, spectrum) => {
                 let mut row = self.row(channel)?;
                 let noise = spectrum.draw(row.len(), rate_hz, rng);
                 row.iter_mut().zip(noise).for_each(|(x, noise)| *x += noise);
             }
-            Stage::CrossTalk { matrix } => self.mix(matrix)?,
-            Stage::AntiAlias { filter } => {
+            Stage::CrossTalk(matrix) => self.mix(matrix)?,
+            Stage::AntiAlias(filter) => {
                 let per_radian = rate_hz / std::f64::consts::TAU;
                 for row in self.samples.rows_mut() {
                     replace(row, |samples| {
@@ -114,7 +94,7 @@ impl Signals {
                 rate_hz: wanted_hz,
                 aperture,
             } => self.sample(*wanted_hz, *aperture)?,
-            Stage::Convert { channel, converter } => {
+            Stage::Convert(channel, converter) => {
                 if let Some(name) = channel {
                     channel::find(&self.channels, name)?;
                 }
@@ -167,11 +147,11 @@ impl Signals {
         let ratio = self.rate_hz / wanted_hz;
         let every = ratio.round();
         if (ratio - every).abs() > RATIO_TOLERANCE * ratio || !(1.0..1e9).contains(&every) {
-            return Err(LabioError::NonPhysical {
-                quantity: "sampling rate of the history over that of the recorder",
-                value: ratio,
-                expected: "a whole number of at least 1",
-            });
+            return non_physical(
+                "sampling rate of the history over that of the recorder",
+                ratio,
+                "a whole number of at least 1",
+            );
         }
         if aperture > 0.0 {
             let half = aperture * self.rate_hz / 2.0;
@@ -205,18 +185,18 @@ fn sinc(x: f64) -> f64 {
 impl Stage {
     pub(super) fn name(&self) -> String {
         match self {
-            Self::Sense { channel, .. } => format!("the sensor of `{channel}`"),
-            Self::Gain { channel, factor } => format!("gain {factor} of `{channel}`"),
-            Self::Offset { channel, value } => format!("offset {value} of `{channel}`"),
-            Self::Delay { channel, time } => format!("`{channel}` delayed by {time} s"),
-            Self::Resolution { channel, step } => format!("`{channel}` in steps of {step}"),
-            Self::Noise { channel, spectrum } => format!("{} in `{channel}`", spectrum.name()),
-            Self::CrossTalk { .. } => "cross-talk".to_owned(),
-            Self::AntiAlias { filter } => filter.name(),
+            Self::Sense(channel, _) => format!("the sensor of `{channel}`"),
+            Self::Gain(channel, factor) => format!("gain {factor} of `{channel}`"),
+            Self::Offset(channel, value) => format!("offset {value} of `{channel}`"),
+            Self::Delay(channel, time) => format!("`{channel}` delayed by {time} s"),
+            Self::Resolution(channel, step) => format!("`{channel}` in steps of {step}"),
+            Self::Noise(channel, spectrum) => format!("{} in `{channel}`", spectrum.name()),
+            Self::CrossTalk(_) => "cross-talk".to_owned(),
+            Self::AntiAlias(filter) => filter.name(),
             Self::Sample { rate_hz, aperture } => {
                 format!("samples at {rate_hz} Hz with an aperture of {aperture} s")
             }
-            Self::Convert { channel, converter } => match channel {
+            Self::Convert(channel, converter) => match channel {
                 None => converter.name(),
                 Some(channel) => format!("{} for `{channel}`", converter.name()),
             },

@@ -1,17 +1,13 @@
 use super::*;
-use crate::{Channel, Provenance, Quantity, Record, RestNoise, Window};
+use crate::{Quantity, Record, RestNoise, Window};
 use statrs::distribution::StudentsT;
 use testbed::noise::Noise;
 
 const N: usize = 2048;
 const RATE: f64 = 8192.0;
 
-fn channels() -> Vec<Channel> {
-    vec![
-        Channel::new("force", Quantity::Force).unwrap(),
-        Channel::new("velocity", Quantity::Velocity).unwrap(),
-    ]
-}
+const CHANNELS: [(&str, Quantity); 2] =
+    [("force", Quantity::Force), ("velocity", Quantity::Velocity)];
 
 /// Hits of a hammer whose half-sine lasts `hammer.contact` samples from sample `at` on, on a body
 /// whose response is half the force two samples later, with noise on both.
@@ -32,8 +28,7 @@ fn hits_of(hammer: Hammer, seed: u64, at: usize) -> Vec<Record> {
             let noise = rng.normal();
             samples[(0, n)] += hammer.input_noise * noise;
         }
-        let provenance = Provenance::computed("half-sines");
-        Record::new(samples, RATE, 0.0, channels(), provenance).unwrap()
+        Record::of_test(samples, RATE, &CHANNELS)
     };
     (0..hammer.n_hits).map(|_| hit()).collect()
 }
@@ -65,11 +60,21 @@ const HEAVY: Hammer = Hammer {
 const LIGHT: Hammer = Hammer {
     peak: 200.0,
     contact: 5,
-    noise: 0.2,
-    input_noise: 0.0,
-    gain: 1.0,
-    n_hits: 10,
+    ..HEAVY
 };
+
+fn h1(test: &AveragedSpectra) -> FrequencyResponse {
+    test.h1("force", "velocity").unwrap()
+}
+
+/// Returns the lines of the test that has the larger force.
+fn larger(tests: &[&AveragedSpectra]) -> MergedResponse {
+    MergedResponse::by_larger_input(tests, Estimator::H1, "force", "velocity").unwrap()
+}
+
+fn weighed(tests: &[FrequencyResponse]) -> MergedResponse {
+    MergedResponse::by_inverse_variance(tests).unwrap()
+}
 
 fn truth(response: &FrequencyResponse, line: usize) -> Complex64 {
     let omega = std::f64::consts::TAU * response.frequency_hz[line];
@@ -79,10 +84,8 @@ fn truth(response: &FrequencyResponse, line: usize) -> Complex64 {
 #[test]
 fn each_line_is_that_of_the_larger_force() {
     let (heavy, light) = (test_of(HEAVY, 1), test_of(LIGHT, 2));
-    let merged =
-        MergedResponse::by_larger_input(&[&heavy, &light], Estimator::H1, "force", "velocity")
-            .unwrap();
-    let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
+    let merged = larger(&[&heavy, &light]);
+    let responses = [&heavy, &light].map(h1);
     let forces = [&heavy, &light].map(|test| test.auto("force").unwrap());
     // the coherent power of tests whose coherence is above the level that chance reaches with a
     // probability of 1e-4 or, if there are none, 5 %
@@ -118,8 +121,8 @@ fn each_line_is_that_of_the_larger_force() {
 #[test]
 fn inverse_variances_weigh_as_least_squares_does() {
     let (heavy, light) = (test_of(HEAVY, 3), test_of(LIGHT, 4));
-    let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
-    let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+    let responses = [&heavy, &light].map(h1);
+    let merged = weighed(&responses);
     for line in [1, 50, 100] {
         // for H1 with the coherence c: the variance |H|² (1 - c)/((n - 1) c), and the bias
         // |H| (1 - c) that the force would cause if all missing coherence were its noise
@@ -174,8 +177,8 @@ fn s2_noise_of_the_force_does_not_win() {
     let (mut squares, mut covered, mut count) = (0.0, 0.0, 0.0);
     for seed in 0..20 {
         let tests = [test_of(noisy, 100 + seed), test_of(light, 200 + seed)];
-        let responses = tests.map(|test| test.h1("force", "velocity").unwrap());
-        let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+        let responses = tests.map(|test| h1(&test));
+        let merged = weighed(&responses);
         let (response, variance) = (&merged.response, merged.response.variance.as_ref().unwrap());
         // 1.5 kHz to 2.2 kHz, below the first zero of the short pulse
         for (line, variance) in variance.iter().enumerate().take(550).skip(375) {
@@ -213,11 +216,9 @@ fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
                     noise: of_velocity,
                     ..hammer
                 };
-                test_of(hammer, base + seed)
-                    .h1("force", "velocity")
-                    .unwrap()
+                h1(&test_of(hammer, base + seed))
             });
-            let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+            let merged = weighed(&responses);
             let errors = merged.response.random_error().unwrap();
             let bias = merged.response.possible_bias.as_ref().unwrap();
             for line in (25..375).filter(|line| merged.coherent[*line]) {
@@ -257,10 +258,7 @@ fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
         ..HEAVY
     };
     let (heavy, light) = (test_of(noisy, 31), test_of(LIGHT, 32));
-    let merge = |tests: &[&AveragedSpectra]| {
-        MergedResponse::by_larger_input(tests, Estimator::H1, "force", "velocity").unwrap()
-    };
-    let merged = merge(&[&heavy, &light]);
+    let merged = larger(&[&heavy, &light]);
     let band = 400..500;
     let force = |test: &AveragedSpectra| test.auto("force").unwrap()[450];
     assert!(force(&heavy) > 3.0 * force(&light));
@@ -270,7 +268,7 @@ fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
             .iter()
             .all(|coherent| *coherent)
     );
-    let alone = merge(&[&heavy, &heavy]);
+    let alone = larger(&[&heavy, &heavy]);
     let coherent = alone.coherent[band].iter().filter(|c| **c).count();
     // 5 of 100 lines are coherent by chance, with a standard error of 2.2: four of these above
     assert!(coherent < 14, "{coherent}");
@@ -280,12 +278,10 @@ fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
 fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     let off = Hammer { gain: 1.1, ..LIGHT };
     let responses = |second: Hammer, sensors: f64| {
-        [test_of(HEAVY, 41), test_of(second, 42)].map(|test| {
-            let response = test.h1("force", "velocity").unwrap();
-            response.with_common_error(sensors).unwrap()
-        })
+        [test_of(HEAVY, 41), test_of(second, 42)]
+            .map(|test| h1(&test).with_common_error(sensors).unwrap())
     };
-    let merged = MergedResponse::by_inverse_variance(&responses(off, 0.01)).unwrap();
+    let merged = weighed(&responses(off, 0.01));
     let agreement = merged.agreement[0].unwrap();
     let distance = (agreement.gain / 1.1 - 1.0).abs();
     assert!(distance < 4.0 * agreement.relative_error, "{agreement:?}");
@@ -298,11 +294,11 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     let expected = (agreement.gain.ln() / 2.0_f64.sqrt()).hypot(0.01);
     assert!((common / expected - 1.0).abs() < 1e-12, "{common}");
     // sensors with an uncertainty of 10 % explain this gain
-    let merged = MergedResponse::by_inverse_variance(&responses(off, 0.1)).unwrap();
+    let merged = weighed(&responses(off, 0.1));
     assert!(merged.agreement[0].unwrap().explains_gain());
     // and, apart from this gain, the lines agree
     assert!(merged.inflation.iter().all(|factor| *factor < 1.0 + 1e-12));
-    let merged = MergedResponse::by_inverse_variance(&responses(LIGHT, 0.0)).unwrap();
+    let merged = weighed(&responses(LIGHT, 0.0));
     let agreement = merged.agreement[0].unwrap();
     assert!(
         agreement.explains_gain() && agreement.explains_delay(),
@@ -324,8 +320,8 @@ fn s13_the_discrepancy_has_the_mean_one() {
                 ..LIGHT
             };
             let tests = [test_of(hammer, 300 + seed), test_of(hammer, 400 + seed)];
-            let responses = tests.map(|test| test.h1("force", "velocity").unwrap());
-            let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+            let responses = tests.map(|test| h1(&test));
+            let merged = weighed(&responses);
             // with two hits, some lines are not coherent enough to be compared
             for value in merged.discrepancy[1..200].iter().filter(|d| d.is_finite()) {
                 sum += value;
@@ -355,13 +351,9 @@ fn a_line_that_one_test_does_not_have_comes_from_the_other() {
     let mut silent = HEAVY;
     silent.peak = 0.0;
     let (nothing, light) = (test_of(silent, 7), test_of(LIGHT, 8));
-    let responses = [&nothing, &light].map(|test| test.h1("force", "velocity").unwrap());
+    let responses = [&nothing, &light].map(h1);
     assert_eq!(responses[0].invalid_lines().count(), N / 2 + 1);
-    let weighed = MergedResponse::by_inverse_variance(&responses).unwrap();
-    let chosen =
-        MergedResponse::by_larger_input(&[&nothing, &light], Estimator::H1, "force", "velocity")
-            .unwrap();
-    for merged in [weighed, chosen] {
+    for merged in [weighed(&responses), larger(&[&nothing, &light])] {
         // this half-sine has no content at the Nyquist frequency
         assert_eq!(merged.response.invalid_lines().collect::<Vec<_>>(), [N / 2]);
         assert_eq!(
@@ -372,7 +364,7 @@ fn a_line_that_one_test_does_not_have_comes_from_the_other() {
         assert!(shares.iter().take(N / 2).all(|share| *share >= 1.0));
         assert!(merged.discrepancy.iter().all(|d| d.is_nan()));
     }
-    let none = MergedResponse::by_inverse_variance(&responses[..1]).unwrap();
+    let none = weighed(&responses[..1]);
     assert_eq!(none.response.invalid_lines().count(), N / 2 + 1);
     assert!(none.response.values.iter().all(|h| h.is_nan()));
     assert!(none.shares.iter().all(|share| *share <= 0.0));
@@ -385,11 +377,11 @@ fn tests_without_scatter_share_a_line() {
         contact: 1,
         ..LIGHT
     };
-    let mut responses = [9, 10].map(|seed| test_of(exact, seed).h1("force", "velocity").unwrap());
+    let mut responses = [9, 10].map(|seed| h1(&test_of(exact, seed)));
     for response in &mut responses {
         response.variance = Some(vec![0.0; N / 2 + 1]);
     }
-    let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+    let merged = weighed(&responses);
     // equal shares of 1/2, which is exact in binary
     assert!(merged.shares.iter().all(|s| (s - 0.5).abs() <= 0.0));
     assert!((merged.response.values[3] - truth(&merged.response, 3)).norm() < 1e-13);
@@ -398,7 +390,7 @@ fn tests_without_scatter_share_a_line() {
 #[test]
 fn unlike_tests_are_refused() {
     let test = test_of(LIGHT, 11);
-    let h1 = test.h1("force", "velocity").unwrap();
+    let h1 = h1(&test);
     let mut shifted = h1.clone();
     for f in &mut shifted.frequency_hz {
         *f *= 1.001;
@@ -431,35 +423,26 @@ fn unlike_tests_are_refused() {
 #[test]
 fn tests_with_other_windows_or_levels_are_refused() {
     let test = test_of(LIGHT, 11);
-    let h1 = test.h1("force", "velocity").unwrap();
+    let h1 = h1(&test);
     let mut damped = h1.clone();
     damped.added_damping = Some(crate::AddedDamping::new(20.0).unwrap());
     let mut shorter = h1.clone();
     shorter.truncate(100);
     let level = test.auto("force").unwrap().to_vec();
+    let both = vec![&level[..]; 2];
+    let too_short = vec![&level[1..]];
+    let alone = vec![h1.clone()];
     for (responses, levels, expected) in [
+        (vec![h1.clone(), damped], &both, "added decay rate"),
+        (vec![h1, shorter], &both, "number of samples"),
         (
-            vec![h1.clone(), damped],
-            vec![&level[..]; 2],
-            "added decay rate",
-        ),
-        (
-            vec![h1.clone(), shorter],
-            vec![&level[..]; 2],
-            "number of samples",
-        ),
-        (
-            vec![h1.clone()],
-            vec![&level[1..]],
+            alone.clone(),
+            &too_short,
             "lines of the spectrum of the input",
         ),
-        (
-            vec![h1.clone()],
-            vec![&level[..]; 2],
-            "spectra of the input",
-        ),
+        (alone, &both, "spectra of the input"),
     ] {
-        let error = MergedResponse::larger_of(&responses, &levels).unwrap_err();
+        let error = MergedResponse::larger_of(&responses, levels).unwrap_err();
         assert!(error.to_string().contains(expected), "{error}");
     }
 }
@@ -471,11 +454,9 @@ fn s6_right_hammers_differ_at_the_level_that_is_stated() {
     for n_hits in [3, 5, 10] {
         let seeds = 100;
         let differ = (0..seeds).filter(|seed| {
-            let responses = [(HEAVY, 100_000), (LIGHT, 500_000)].map(|(hammer, base)| {
-                let test = test_of(Hammer { n_hits, ..hammer }, base + seed);
-                test.h1("force", "velocity").unwrap()
-            });
-            let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+            let responses = [(HEAVY, 100_000), (LIGHT, 500_000)]
+                .map(|(hammer, base)| h1(&test_of(Hammer { n_hits, ..hammer }, base + seed)));
+            let merged = weighed(&responses);
             merged.inflation.iter().any(|factor| *factor > 1.0)
         });
         let differ = differ.count();
@@ -513,7 +494,7 @@ fn s13_merged_hammers_are_covered_by_students_law() {
                     }
                     spectra.response(estimator, "force", "velocity").unwrap()
                 });
-                let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+                let merged = weighed(&responses);
                 let errors = merged.response.random_error().unwrap();
                 let freedom = merged.response.degrees_of_freedom.as_ref().unwrap();
                 // all lines below two thirds of the first zero of the light hammer: a choice by

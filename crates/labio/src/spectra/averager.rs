@@ -253,7 +253,8 @@ impl SpectrumAverager {
     /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or
     /// [`LabioError::SamplingRateMismatch`] if the hit does not match the averager.
     pub fn add(&mut self, hit: &Record) -> Result<(), LabioError> {
-        self.check_like(hit)?;
+        self.check_channels(hit)?;
+        check_count("samples of a hit", hit.n_samples(), self.n_samples)?;
         for (index, samples) in hit.samples().rows().into_iter().enumerate() {
             let input = self.dft.input();
             if let Some(samples) = samples.to_slice() {
@@ -377,41 +378,102 @@ impl SpectrumAverager {
     /// [`LabioError::TooFewAverages`] before the first hit; [`LabioError::SpectrumOverflow`] if
     /// finite samples were too large for finite spectra.
     pub fn spectra(&self) -> Result<AveragedSpectra, LabioError> {
-        self.about().spectra(
-            self.auto_sums.clone(),
-            self.cross_sums.clone(),
-            self.n_averages as f64,
-        )
+        let (auto, cross) = (self.auto_sums.clone(), self.cross_sums.clone());
+        self.averaged(auto, cross, self.n_averages as f64)
     }
 
     /// Form of [`SpectrumAverager::spectra`] that consumes the averager.
-    pub(super) fn into_spectra(self) -> Result<AveragedSpectra, LabioError> {
-        let effective_averages = self.n_averages as f64;
-        self.into_averages(effective_averages)
-    }
-
     pub(super) fn into_averages(
         mut self,
         effective_averages: f64,
     ) -> Result<AveragedSpectra, LabioError> {
-        let auto_sums = std::mem::take(&mut self.auto_sums);
-        let cross_sums = std::mem::take(&mut self.cross_sums);
-        self.about()
-            .spectra(auto_sums, cross_sums, effective_averages)
+        let auto = std::mem::take(&mut self.auto_sums);
+        let cross = std::mem::take(&mut self.cross_sums);
+        self.averaged(auto, cross, effective_averages)
     }
 
-    fn about(&self) -> Averaged<'_> {
-        Averaged {
-            channels: &self.channels,
-            weights: &self.weights,
-            sampling_rate_hz: self.sampling_rate_hz,
-            n_samples: self.n_samples,
-            window: self.window,
-            gains: self.gains,
-            added_damping: self.added_damping,
-            tails: self.tails.as_ref(),
-            n_averages: self.n_averages,
+    /// Converts sums to averages.
+    fn averaged(
+        &self,
+        mut auto: Vec<Vec<f64>>,
+        mut cross: Vec<Vec<Complex64>>,
+        effective_averages: f64,
+    ) -> Result<AveragedSpectra, LabioError> {
+        if self.n_averages == 0 {
+            return too_few_averages("an averaged spectrum", 0, 1);
         }
+        let time_step = 1.0 / self.sampling_rate_hz;
+        let two_sided = time_step * time_step / (self.gains.power * self.n_averages as f64);
+        if !two_sided.is_normal() {
+            return non_physical(
+                "sampling rate [Hz]",
+                self.sampling_rate_hz,
+                "a rate whose square is within the range of numbers",
+            );
+        }
+        let n_samples = self.n_samples;
+        let scale = |line: usize| {
+            if line == 0 || 2 * line == n_samples {
+                two_sided
+            } else {
+                2.0 * two_sided
+            }
+        };
+        for (lines, channel) in auto.iter_mut().zip(&self.channels) {
+            for (line, value) in lines.iter_mut().enumerate() {
+                *value *= scale(line);
+            }
+            if let Some(line) = lines.iter().position(|value| !value.is_finite()) {
+                return Err(LabioError::SpectrumOverflow {
+                    channel: channel.name().to_owned(),
+                    line,
+                });
+            }
+        }
+        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite if the auto-spectra are
+        for lines in &mut cross {
+            for (line, value) in lines.iter_mut().enumerate() {
+                *value *= scale(line);
+            }
+        }
+        let line_spacing_hz = self.sampling_rate_hz / n_samples as f64;
+        let noise_duration = |weights: &Vec<f64>| {
+            let squares = if weights.is_empty() {
+                n_samples as f64
+            } else {
+                weights.iter().map(|weight| weight * weight).sum()
+            };
+            squares * time_step / self.gains.power
+        };
+        let tails = self.tails.as_ref().map(|tails| {
+            let scaled = |sums: &Vec<Complex64>| {
+                let lines = sums.iter().enumerate();
+                lines.map(|(line, sum)| sum * scale(line)).collect()
+            };
+            let lacks_first = |ending: &Ending| !tails.completion.has_first_line(*ending);
+            AveragedTails {
+                sums: tails.sums.iter().map(scaled).collect(),
+                lacks_first: tails.endings.iter().map(lacks_first).collect(),
+            }
+        });
+        Ok(AveragedSpectra {
+            noise_durations: self.weights.iter().map(noise_duration).collect(),
+            rest_energy: vec![None; self.channels.len()],
+            channels: self.channels.clone(),
+            n_averages: self.n_averages,
+            effective_averages,
+            n_samples,
+            window: self.window,
+            added_damping: self.added_damping,
+            line_spacing_hz,
+            noise_bandwidth_hz: self.gains.noise_bandwidth_lines * line_spacing_hz,
+            frequency_hz: (0..=n_samples / 2)
+                .map(|k| k as f64 * line_spacing_hz)
+                .collect(),
+            auto,
+            cross,
+            tails,
+        })
     }
 
     fn check_no_other_window(&self, asked: &'static str) -> Result<(), LabioError> {
@@ -430,12 +492,6 @@ impl SpectrumAverager {
         Ok(())
     }
 
-    fn check_like(&self, hit: &Record) -> Result<(), LabioError> {
-        self.check_channels(hit)?;
-        check_count("samples of a hit", hit.n_samples(), self.n_samples)?;
-        Ok(())
-    }
-
     /// Rejects a record with other channels or another sampling rate.
     pub(super) fn check_channels(&self, hit: &Record) -> Result<(), LabioError> {
         check_count(
@@ -444,16 +500,26 @@ impl SpectrumAverager {
             self.channels.len(),
         )?;
         for (index, (found, expected)) in hit.channels().iter().zip(&self.channels).enumerate() {
-            if found != expected {
-                return Err(LabioError::ChannelMismatch {
-                    index,
-                    found: found.to_string(),
-                    expected: expected.to_string(),
-                });
-            }
+            check_same_channel(index, found, expected)?;
         }
         check_same_rate(hit.sampling_rate_hz(), self.sampling_rate_hz)
     }
+}
+
+/// Accepts the channel at `index` of a hit if it is that of the hits before.
+pub(super) fn check_same_channel(
+    index: usize,
+    found: &Channel,
+    expected: &Channel,
+) -> Result<(), LabioError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(LabioError::ChannelMismatch {
+        index,
+        found: found.to_string(),
+        expected: expected.to_string(),
+    })
 }
 
 /// Accepts a sampling rate that differs only in its last digits.
@@ -489,104 +555,6 @@ fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioErr
         noise_bandwidth_lines: sampled.noise_bandwidth_lines,
     };
     Ok((sampled.weights, gains))
-}
-
-/// Data for the conversion of sums to averages.
-struct Averaged<'a> {
-    channels: &'a [Channel],
-    weights: &'a [Vec<f64>],
-    sampling_rate_hz: f64,
-    n_samples: usize,
-    window: Window,
-    gains: Gains,
-    added_damping: Option<AddedDamping>,
-    tails: Option<&'a Tails>,
-    n_averages: usize,
-}
-
-impl Averaged<'_> {
-    fn spectra(
-        self,
-        mut auto: Vec<Vec<f64>>,
-        mut cross: Vec<Vec<Complex64>>,
-        effective_averages: f64,
-    ) -> Result<AveragedSpectra, LabioError> {
-        if self.n_averages == 0 {
-            return too_few_averages("an averaged spectrum", 0, 1);
-        }
-        let time_step = 1.0 / self.sampling_rate_hz;
-        let two_sided = time_step * time_step / (self.gains.power * self.n_averages as f64);
-        if !two_sided.is_normal() {
-            return non_physical(
-                "sampling rate [Hz]",
-                self.sampling_rate_hz,
-                "a rate whose square is within the range of numbers",
-            );
-        }
-        let n_samples = self.n_samples;
-        let scale = |line: usize| {
-            if line == 0 || 2 * line == n_samples {
-                two_sided
-            } else {
-                2.0 * two_sided
-            }
-        };
-        for (lines, channel) in auto.iter_mut().zip(self.channels) {
-            for (line, value) in lines.iter_mut().enumerate() {
-                *value *= scale(line);
-            }
-            if let Some(line) = lines.iter().position(|value| !value.is_finite()) {
-                return Err(LabioError::SpectrumOverflow {
-                    channel: channel.name().to_owned(),
-                    line,
-                });
-            }
-        }
-        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite if the auto-spectra are
-        for lines in &mut cross {
-            for (line, value) in lines.iter_mut().enumerate() {
-                *value *= scale(line);
-            }
-        }
-        let line_spacing_hz = self.sampling_rate_hz / n_samples as f64;
-        let noise_duration = |weights: &Vec<f64>| {
-            let squares = if weights.is_empty() {
-                n_samples as f64
-            } else {
-                weights.iter().map(|weight| weight * weight).sum()
-            };
-            squares * time_step / self.gains.power
-        };
-        let tails = self.tails.map(|tails| {
-            let scaled = |sums: &Vec<Complex64>| {
-                let lines = sums.iter().enumerate();
-                lines.map(|(line, sum)| sum * scale(line)).collect()
-            };
-            let lacks_first = |ending: &Ending| !tails.completion.has_first_line(*ending);
-            AveragedTails {
-                sums: tails.sums.iter().map(scaled).collect(),
-                lacks_first: tails.endings.iter().map(lacks_first).collect(),
-            }
-        });
-        Ok(AveragedSpectra {
-            noise_durations: self.weights.iter().map(noise_duration).collect(),
-            rest_energy: vec![None; self.channels.len()],
-            channels: self.channels.to_vec(),
-            n_averages: self.n_averages,
-            effective_averages,
-            n_samples,
-            window: self.window,
-            added_damping: self.added_damping,
-            line_spacing_hz,
-            noise_bandwidth_hz: self.gains.noise_bandwidth_lines * line_spacing_hz,
-            frequency_hz: (0..=n_samples / 2)
-                .map(|k| k as f64 * line_spacing_hz)
-                .collect(),
-            auto,
-            cross,
-            tails,
-        })
-    }
 }
 
 /// Multiplies `weights` by `factors`; an empty list of weights means that all are 1.

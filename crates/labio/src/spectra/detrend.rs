@@ -26,15 +26,12 @@ pub enum Detrend {
 
 impl Detrend {
     pub(super) fn apply(self, samples: &mut [f64]) {
-        let n = samples.len() as f64;
         match self {
             Self::None => {}
-            Self::Mean => {
-                let mean = sum(samples, |_, x| x) / n;
-                for sample in samples {
-                    *sample -= mean;
-                }
+            Self::Mean => Self::Rest {
+                n_samples: samples.len(),
             }
+            .apply(samples),
             Self::Rest { n_samples } => {
                 let rest = samples.get(..n_samples).unwrap_or(samples);
                 let mean = sum(rest, |_, x| x) / rest.len().max(1) as f64;
@@ -43,6 +40,7 @@ impl Detrend {
                 }
             }
             Self::Linear => {
+                let n = samples.len() as f64;
                 let middle = (n - 1.0) / 2.0;
                 let mean = sum(samples, |_, x| x) / n;
                 // sum of squared distances from the middle

@@ -1,6 +1,6 @@
 //! Noise of a channel at rest, from the samples before each hit.
 
-use super::averager::check_same_rate;
+use super::averager::{check_same_channel, check_same_rate};
 use super::{Detrend, Welch};
 use crate::error::{check_enough_samples, too_few_averages};
 use crate::quantization::step_above_noise;
@@ -69,13 +69,7 @@ impl RestNoise {
         let (_, measured) = channel::find(first.channels(), channel)?;
         for (index, hit) in hits.iter().enumerate() {
             let (_, found) = channel::find(hit.channels(), channel)?;
-            if found != measured {
-                return Err(LabioError::ChannelMismatch {
-                    index,
-                    found: found.to_string(),
-                    expected: measured.to_string(),
-                });
-            }
+            check_same_channel(index, found, measured)?;
             check_same_rate(hit.sampling_rate_hz(), first.sampling_rate_hz())?;
             let spectra = welch.spectra(&hit.part(0..n_silent)?)?;
             averages += spectra.effective_averages();

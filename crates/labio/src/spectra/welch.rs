@@ -213,7 +213,12 @@ impl Welch {
                 held.drain(..start);
             }
         }
-        self.averages(averager, n_read)
+        if averager.n_averages() == 0 {
+            self.check_long_enough(n_read)?;
+        }
+        let window = self.window.sample(self.n_samples)?;
+        let effective = window.independent_averages(averager.n_averages(), self.hop())?;
+        averager.into_averages(effective)
     }
 
     fn averager(
@@ -223,19 +228,6 @@ impl Welch {
     ) -> Result<SpectrumAverager, LabioError> {
         SpectrumAverager::new(channels, self.n_samples, sampling_rate_hz, self.window)
             .map(|averager| averager.with_detrend(self.detrend))
-    }
-
-    fn averages(
-        &self,
-        averager: SpectrumAverager,
-        n_available: usize,
-    ) -> Result<AveragedSpectra, LabioError> {
-        let n_segments = averager.n_averages();
-        if n_segments == 0 {
-            self.check_long_enough(n_available)?;
-        }
-        let window = self.window.sample(self.n_samples)?;
-        averager.into_averages(window.independent_averages(n_segments, self.hop())?)
     }
 
     fn check_long_enough(&self, n_available: usize) -> Result<(), LabioError> {
@@ -248,46 +240,9 @@ impl Welch {
 mod tests {
     use super::*;
     use crate::Quantity;
+    use crate::stream::tests::Played;
     use proptest::prelude::*;
     use testbed::noise::Noise;
-
-    /// A record that is passed on in blocks of at most `at_most` samples.
-    struct Played {
-        record: Record,
-        position: usize,
-        at_most: usize,
-    }
-
-    impl BlockSource for Played {
-        fn channels(&self) -> &[Channel] {
-            self.record.channels()
-        }
-
-        fn sampling_rate_hz(&self) -> f64 {
-            self.record.sampling_rate_hz()
-        }
-
-        fn n_samples(&self) -> Option<u64> {
-            None
-        }
-
-        fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
-            let n = (self.record.n_samples() - self.position)
-                .min(self.at_most)
-                .min(block.ncols());
-            for (mut to, from) in block
-                .rows_mut()
-                .into_iter()
-                .zip(self.record.samples().rows())
-            {
-                for i in 0..n {
-                    to[i] = from[self.position + i];
-                }
-            }
-            self.position += n;
-            Ok(n)
-        }
-    }
 
     fn noise(n_samples: usize, seed: u64) -> Record {
         let mut rng = Noise::seeded(seed);
@@ -319,7 +274,7 @@ mod tests {
             let n_overlap = (0..segment).rev().find(|n| *n as f64 <= overlap * segment as f64).unwrap();
             let welch = Welch::new(segment).unwrap().with_overlap(n_overlap).unwrap().with_detrend(Detrend::Linear);
             let record = noise(n_samples, 5);
-            let mut stream = Played { record: record.clone(), position: 0, at_most };
+            let mut stream = Played::new(record.channels(), record.samples().to_owned(), at_most);
             match (welch.spectra(&record), welch.spectra_of_stream(&mut stream)) {
                 (Ok(whole), Ok(streamed)) => {
                     prop_assert_eq!(whole.n_averages(), 1 + (n_samples - segment) / (segment - n_overlap));
@@ -369,11 +324,7 @@ mod tests {
     #[test]
     fn what_cannot_be_cut_is_refused() {
         let record = noise(20, 1);
-        let mut infinite = Played {
-            record: record.clone(),
-            position: 0,
-            at_most: 7,
-        };
+        let mut infinite = Played::new(record.channels(), record.samples().to_owned(), 7);
         let refusals = [
             Welch::new(2).map(|_| ()),
             Welch::new(8).unwrap().with_overlap(8).map(|_| ()),
@@ -397,29 +348,12 @@ mod tests {
 
     #[test]
     fn a_bad_sample_of_a_stream_is_named_by_its_place_in_the_stream() {
-        struct Bad(Vec<Channel>, usize);
-        impl BlockSource for Bad {
-            fn channels(&self) -> &[Channel] {
-                &self.0
-            }
-            fn sampling_rate_hz(&self) -> f64 {
-                1.0
-            }
-            fn n_samples(&self) -> Option<u64> {
-                None
-            }
-            fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
-                for n in 0..10 {
-                    block[(0, n)] = if self.1 + n == 23 { f64::NAN } else { 1.0 };
-                }
-                self.1 += 10;
-                Ok(10)
-            }
-        }
         let channel = Channel::new("a", Quantity::Force).unwrap();
+        let mut samples = Array2::ones((1, 40));
+        samples[(0, 23)] = f64::NAN;
         let error = Welch::new(8)
             .unwrap()
-            .spectra_of_stream(&mut Bad(vec![channel], 0))
+            .spectra_of_stream(&mut Played::new(&[channel], samples, 10))
             .unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -2,43 +2,13 @@
 
 use labio::hits::{Criteria, Extent, Reason, Trigger, find_hits, find_hits_in_blocks};
 use labio::{
-    AddedDamping, BlockSource, Channel, ForceWindow, LabioError, LowFrequency, Provenance,
-    Quantity, Record, SpectrumAverager, Welch, Window, integrate,
+    AddedDamping, ForceWindow, LabioError, LowFrequency, Provenance, Quantity, Record,
+    SpectrumAverager, Welch, Window, integrate,
 };
-use ndarray::{Array2, Axis};
+use ndarray::Array2;
 
 use super::{INPUT, channels, record, record_of};
-
-/// Samples of a record read in blocks.
-struct Played {
-    channels: Vec<Channel>,
-    samples: Array2<f64>,
-    at: usize,
-}
-
-impl BlockSource for Played {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn sampling_rate_hz(&self) -> f64 {
-        1e6
-    }
-
-    fn n_samples(&self) -> Option<u64> {
-        None
-    }
-
-    fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
-        let n = block.ncols().min(self.samples.ncols() - self.at);
-        let (from, _) = self.samples.view().split_at(Axis(1), self.at + n);
-        let (_, from) = from.split_at(Axis(1), self.at);
-        let (mut to, _) = block.view_mut().split_at(Axis(1), n);
-        to.assign(&from);
-        self.at += n;
-        Ok(n)
-    }
-}
+use crate::records::InBlocks;
 
 /// Ten million samples with a hit every hundred thousand, which are found, integrated and averaged
 /// in one pass each.
@@ -56,7 +26,6 @@ fn ten_million_samples() {
             noise
         }
     });
-    let force = vec![Channel::new(INPUT, Quantity::Force).unwrap()];
     let long = record_of(samples.clone(), 1e6, &[(INPUT, Quantity::Force)]);
     let trigger = Trigger::new(INPUT, 10.0, Extent::Samples(4096))
         .unwrap()
@@ -64,11 +33,7 @@ fn ten_million_samples() {
     let criteria = Criteria::default();
     let log = find_hits(&long, &trigger, &criteria).unwrap();
     assert_eq!(log.hits().len(), N / every);
-    let mut source = Played {
-        channels: force,
-        samples,
-        at: 0,
-    };
+    let mut source = InBlocks::new(long.channels(), 1e6, samples, usize::MAX);
     let streamed =
         find_hits_in_blocks(&mut source, &Provenance::computed("t"), &trigger, &criteria).unwrap();
     assert_eq!(streamed.accepted().count(), log.accepted().count());
@@ -113,11 +78,7 @@ fn lengths_that_no_memory_holds_are_refused() {
             Welch::new(n).unwrap().spectra(&short),
             Err(LabioError::TooFewSamples { found: 8, .. })
         ));
-        let mut source = Played {
-            channels: channels(),
-            samples: Array2::ones((2, 8)),
-            at: 0,
-        };
+        let mut source = InBlocks::new(&channels(), 1e6, Array2::ones((2, 8)), 8);
         assert!(
             Welch::new(n)
                 .unwrap()
@@ -144,11 +105,7 @@ fn lost_samples_of_an_untriggered_stream_are_told() {
     let trigger = Trigger::new(INPUT, 0.5, Extent::Samples(4)).unwrap();
     let mut samples = Array2::zeros((2, 50));
     samples[(0, 30)] = f64::NAN;
-    let mut source = Played {
-        channels: channels(),
-        samples,
-        at: 0,
-    };
+    let mut source = InBlocks::new(&channels(), 1e6, samples, 50);
     let log = find_hits_in_blocks(
         &mut source,
         &Provenance::computed("t"),

@@ -6,43 +6,22 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use labio::format::{MemoryLimit, Reader, Strictness, mat5, npz};
 use labio::{Contents, LabioError, Ordinate, Provenance, Series, SeriesKind, Welch};
-use zip::write::SimpleFileOptions;
+use zip::CompressionMethod::Deflated;
 
+use crate::mat5::LITTLE;
+use crate::npy::{archive_by, npy};
 use crate::series::{axis, bare, contents_of, even};
 
 const BOTH: [Strictness; 2] = [Strictness::Strict, Strictness::Tolerant];
 
-fn element(kind: u32, data: &[u8]) -> Vec<u8> {
-    let mut bytes = kind.to_le_bytes().to_vec();
-    bytes.extend(u32::try_from(data.len()).unwrap().to_le_bytes());
-    bytes.extend(data);
-    bytes.resize(bytes.len().next_multiple_of(8), 0);
-    bytes
-}
-
-/// A MATLAB array of `class` whose parts follow its flags, shape and name.
-fn array(class: u8, shape: &[u32], name: &str, parts: &[Vec<u8>]) -> Vec<u8> {
-    let shape: Vec<u8> = shape.iter().flat_map(|n| n.to_le_bytes()).collect();
-    let mut body = element(6, &[class, 0, 0, 0, 0, 0, 0, 0]);
-    body.extend(element(5, &shape));
-    body.extend(element(1, name.as_bytes()));
-    body.extend(parts.concat());
-    element(14, &body)
-}
-
 /// A MATLAB file with `variables`, each deflated.
 fn packed(variables: &[Vec<u8>]) -> Vec<u8> {
-    let mut file = vec![b' '; 124];
-    file.extend([0x00, 0x01, b'I', b'M']);
-    for variable in variables {
+    let deflated = variables.iter().map(|variable| {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
         encoder.write_all(variable).unwrap();
-        let deflated = encoder.finish().unwrap();
-        file.extend(15_u32.to_le_bytes());
-        file.extend(u32::try_from(deflated.len()).unwrap().to_le_bytes());
-        file.extend(deflated);
-    }
-    file
+        LITTLE.element(15, &encoder.finish().unwrap())
+    });
+    LITTLE.file(&deflated.collect::<Vec<_>>())
 }
 
 #[track_caller]
@@ -61,23 +40,23 @@ fn refused_for_memory(bytes: &[u8], read: impl Fn(Strictness) -> Result<Contents
 #[test]
 fn r20_a_small_matlab_file_is_not_unpacked_beyond_the_limit() {
     let n = 1_500_000_u32;
-    let characters = element(2, &vec![b' '; n as usize]);
+    let characters = LITTLE.element(2, &vec![b' '; n as usize]);
     // a row of text for every character, each with the long name
     let long = "x".repeat(500);
-    let tall_text = array(4, &[n, 1], &long, &[characters]);
+    let tall_text = LITTLE.matrix(4, &[n, 1], &long, &[characters]);
     // a series for every number
-    let numbers = element(2, &vec![0; n as usize]);
-    let columns = packed(&[array(9, &[1, 1, n], &long, std::slice::from_ref(&numbers))]);
+    let numbers = LITTLE.element(2, &vec![0; n as usize]);
+    let columns = packed(&[LITTLE.matrix(9, &[1, 1, n], &long, std::slice::from_ref(&numbers))]);
     let read = mat5::Mat5.read(&columns, Strictness::Strict).unwrap();
     let mut properties = read.properties.iter();
     assert!(read.series.is_empty());
     assert!(properties.any(|(_, text)| text.contains("1 x 1 x 1500000, skipped")));
     // a property for every empty cell
-    let empty = element(14, &[]).repeat(n as usize);
-    let cells = array(1, &[n, 1], &long, &[empty]);
+    let empty = LITTLE.element(14, &[]).repeat(n as usize);
+    let cells = LITTLE.matrix(1, &[n, 1], &long, &[empty]);
     // a defect for every element that is not a cell
-    let wrong = element(9, &[]).repeat(n as usize);
-    let defects = array(1, &[n, 1], &long, &[wrong]);
+    let wrong = LITTLE.element(9, &[]).repeat(n as usize);
+    let defects = LITTLE.matrix(1, &[n, 1], &long, &[wrong]);
     for variable in [tall_text, cells] {
         let file = packed(&[variable]);
         assert!(file.len() < 40_000, "{}", file.len());
@@ -93,8 +72,8 @@ fn r20_a_small_matlab_file_is_not_unpacked_beyond_the_limit() {
 #[test]
 fn r20_a_caller_sets_the_limit() {
     let n = 100_000_u32;
-    let numbers = element(2, &vec![7; n as usize]);
-    let file = packed(&[array(9, &[1, n], "a", &[numbers])]);
+    let numbers = LITTLE.element(2, &vec![7; n as usize]);
+    let file = packed(&[LITTLE.matrix(9, &[1, n], "a", &[numbers])]);
     let read = |bytes| mat5::read_within(&file, Strictness::Strict, MemoryLimit::new(bytes));
     // 100 000 unpacked bytes, and a number of eight bytes for each of them
     assert!(matches!(
@@ -108,48 +87,27 @@ fn r20_a_caller_sets_the_limit() {
     );
 }
 
-/// An array of NumPy with this header and zeros.
-fn npy(descr: &str, shape: &str, n_bytes: usize) -> Vec<u8> {
-    let text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend(u16::try_from(text.len()).unwrap().to_le_bytes());
-    bytes.extend(text.bytes());
-    bytes.resize(bytes.len() + n_bytes, 0);
-    bytes
-}
-
-fn archive(members: &[(String, Vec<u8>)]) -> Vec<u8> {
-    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
-    for (name, bytes) in members {
-        archive.start_file(name.as_str(), options).unwrap();
-        archive.write_all(bytes).unwrap();
-    }
-    archive.finish().unwrap().into_inner()
+fn zeros(descr: &str, shape: &str, n_bytes: usize) -> Vec<u8> {
+    npy(descr, "False", shape, &vec![0; n_bytes])
 }
 
 #[test]
 fn r20_a_small_archive_is_not_unpacked_beyond_the_limit() {
     let n = 20_000_000;
-    for (descr, shape, each) in [
-        ("|b1", format!("({},)", 2 * n), 1),
-        ("|b1", format!("(2, {n})"), 1),
-        ("|S1", format!("({n},)"), 1),
+    for (descr, shape, n_bytes) in [
+        ("|b1", format!("({},)", 2 * n), 2 * n),
+        ("|b1", format!("(2, {n})"), 2 * n),
+        ("|S1", format!("({n},)"), n),
     ] {
-        let n_bytes = if shape.starts_with(&format!("({n}")) {
-            n
-        } else {
-            2 * n
-        };
-        let file = archive(&[("a.npy".to_owned(), npy(descr, &shape, n_bytes * each))]);
+        let file = archive_by(Deflated, &[("a.npy", zeros(descr, &shape, n_bytes))]);
         assert!(file.len() < 50_000, "{}", file.len());
         refused_for_memory(&file, |strictness| npz::Npz.read(&file, strictness));
     }
     // no single member exceeds the limit
-    let members: Vec<(String, Vec<u8>)> = (0..12)
-        .map(|i| (format!("a{i}.npy"), npy("|b1", "(400000,)", 400_000)))
-        .collect();
-    let file = archive(&members);
+    let names: Vec<String> = (0..12).map(|i| format!("a{i}.npy")).collect();
+    let member = zeros("|b1", "(400000,)", 400_000);
+    let members = names.iter().map(|name| (name.as_str(), member.clone()));
+    let file = archive_by(Deflated, &members.collect::<Vec<_>>());
     let read = |bytes| npz::read_within(&file, Strictness::Strict, MemoryLimit::new(bytes));
     assert!(matches!(
         read(30_000_000),

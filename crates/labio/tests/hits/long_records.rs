@@ -98,53 +98,12 @@ fn a_trigger_that_never_fires_is_an_entry_with_the_reason() {
     ));
 }
 
-/// A record that is read in blocks.
-struct InBlocks {
-    record: Record,
-    at: usize,
-    most: usize,
-    spoil: Option<usize>,
-}
-
-impl BlockSource for InBlocks {
-    fn channels(&self) -> &[Channel] {
-        self.record.channels()
-    }
-
-    fn sampling_rate_hz(&self) -> f64 {
-        self.record.sampling_rate_hz()
-    }
-
-    fn n_samples(&self) -> Option<u64> {
-        None
-    }
-
-    fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError> {
-        let left = self.record.n_samples() - self.at;
-        let n = left.min(block.ncols()).min(self.most);
-        for k in 0..n {
-            for channel in 0..block.nrows() {
-                let spoiled = self.spoil == Some(self.at + k) && channel == 1;
-                block[[channel, k]] = if spoiled {
-                    f64::NAN
-                } else {
-                    self.record.samples()[[channel, self.at + k]]
-                };
-            }
-        }
-        self.at += n;
-        Ok(n)
-    }
-}
-
 #[test]
 fn a_stream_that_marks_lost_samples_loses_only_that_hit() {
-    let mut source = InBlocks {
-        record: long_record(),
-        at: 0,
-        most: 5000,
-        spoil: Some(10_100),
-    };
+    let record = long_record();
+    let mut samples = record.samples().to_owned();
+    samples[[1, 10_100]] = f64::NAN;
+    let mut source = InBlocks::new(record.channels(), RATE_HZ, samples, 5000);
     let provenance = Provenance::computed("test");
     let log =
         find_hits_in_blocks(&mut source, &provenance, &trigger(), &Criteria::default()).unwrap();
@@ -195,7 +154,7 @@ proptest! {
             .unwrap();
         let criteria = Criteria::default().with_full_scale(FORCE, 4.0).unwrap();
         let whole = find_hits(&record, &trigger, &criteria).unwrap();
-        let mut source = InBlocks { record, at: 0, most, spoil: None };
+        let mut source = InBlocks::new(record.channels(), 1.0, record.samples().to_owned(), most);
         let provenance = Provenance::computed("test");
         let streamed = find_hits_in_blocks(&mut source, &provenance, &trigger, &criteria).unwrap();
         if !matches!(whole.hits()[0].reasons(), [Reason::NotTriggered { .. }, ..]) {

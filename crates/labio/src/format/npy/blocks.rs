@@ -7,7 +7,7 @@ use std::path::Path;
 use ndarray::Array2;
 
 use super::header::{Element, Header};
-use super::{FORMAT, TIME_STEP_TOLERANCE};
+use super::{FORMAT, check_step, two_axes};
 use crate::error::{
     check_count, check_enough_samples, check_positive, non_finite_sample, truncated,
 };
@@ -162,13 +162,7 @@ impl<R: Read + Seek> Blocks<R> {
                 expected: "'<f8' in C order",
             });
         }
-        let &[n_rows, n_samples] = header.shape.as_slice() else {
-            return Err(LabioError::WrongDimensions {
-                format: FORMAT,
-                found: header.shape.len(),
-                expected: 2,
-            });
-        };
+        let [n_rows, n_samples] = two_axes(&header.shape)?;
         let announced = header
             .data_length()
             .and_then(|data| u64::try_from(data.checked_add(header.data_start)?).ok())
@@ -241,17 +235,8 @@ impl<R: Read + Seek> Blocks<R> {
         let from = self.next;
         self.run(from, n, |at, time| {
             if let Some(previous) = previous {
-                let found = time - previous;
-                let off = (found - step).abs();
-                if off > TIME_STEP_TOLERANCE * step || off.is_nan() {
-                    let index = count(from).saturating_add(at);
-                    return Err(LabioError::NonUniformTime {
-                        index: index.saturating_sub(1),
-                        found,
-                        expected: step,
-                        tolerance: TIME_STEP_TOLERANCE,
-                    });
-                }
+                let index = count(from).saturating_add(at).saturating_sub(1);
+                check_step(index, time - previous, step)?;
             }
             previous = Some(time);
             Ok(())
