@@ -9,38 +9,13 @@
 use std::iter::Peekable;
 use std::str::Chars;
 
-use super::ratio::Ratio;
-use super::symbol::{self, G};
-use crate::{Dimension, LabioError};
+use super::symbol::{self, Definition, G};
+use crate::LabioError;
 
 /// Greatest length of the text of a unit; a longer text is a comment in the wrong column.
 const LONGEST: usize = 64;
 /// Largest depth of nested brackets; units in use have at most two.
 const DEEPEST: usize = 8;
-
-/// Value of a parsed text.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Parsed {
-    pub(super) dimension: Dimension,
-    pub(super) ratio: Ratio,
-    pub(super) offset: f64,
-}
-
-impl Parsed {
-    const NUMBER: Self = Self {
-        dimension: Dimension::NONE,
-        ratio: Ratio::ONE,
-        offset: 0.0,
-    };
-
-    fn times(self, other: Self, exponent: i8) -> Option<Self> {
-        Some(Self {
-            dimension: self.dimension.product(other.dimension.power(exponent)?)?,
-            ratio: self.ratio.times(other.ratio.power(exponent)),
-            offset: 0.0,
-        })
-    }
-}
 
 /// The reason why a text is not a unit: the token and its fault.
 #[derive(Debug)]
@@ -58,12 +33,12 @@ fn fault<T>(token: impl Into<String>, reason: &'static str) -> Result<T, Fault> 
 
 /// Parses the whole of `text`, which has no blanks around it; the parameter `g` is the meaning of
 /// the symbol `g`.
-pub(super) fn parse(text: &str, g: G) -> Result<Parsed, LabioError> {
+pub(super) fn parse(text: &str, g: G) -> Result<Definition, LabioError> {
     let parsed = if text.chars().count() > LONGEST {
         let start: String = text.chars().take(16).collect();
         fault(start, "begins a text that is longer than any unit")
     } else if text == "-" || text == "dimensionless" {
-        Ok(Parsed::NUMBER)
+        Ok(Definition::NUMBER)
     } else {
         whole(text, g)
     };
@@ -74,14 +49,10 @@ pub(super) fn parse(text: &str, g: G) -> Result<Parsed, LabioError> {
     })
 }
 
-fn whole(text: &str, g: G) -> Result<Parsed, Fault> {
+fn whole(text: &str, g: G) -> Result<Definition, Fault> {
     // an offset is meaningful only if the unit is alone
     if let Some(alone) = symbol::find(text, g) {
-        return Ok(Parsed {
-            dimension: alone.dimension,
-            ratio: alone.ratio,
-            offset: alone.offset,
-        });
+        return Ok(alone);
     }
     let mut scanner = Scanner {
         chars: text.chars().peekable(),
@@ -110,11 +81,11 @@ struct Scanner<'a> {
 }
 
 impl Scanner<'_> {
-    fn product(&mut self, depth: usize) -> Result<Parsed, Fault> {
+    fn product(&mut self, depth: usize) -> Result<Definition, Fault> {
         if depth > DEEPEST {
             return fault("(", "is nested too deeply");
         }
-        let mut product = Parsed::NUMBER;
+        let mut product = Definition::NUMBER;
         let mut operator = Operator::Times;
         let mut divided = false;
         loop {
@@ -141,7 +112,7 @@ impl Scanner<'_> {
     }
 
     /// Parses a symbol or a bracket with its exponent and, for messages, its text.
-    fn factor(&mut self, depth: usize) -> Result<(Parsed, i8, String), Fault> {
+    fn factor(&mut self, depth: usize) -> Result<(Definition, i8, String), Fault> {
         self.skip_blanks();
         let (base, token) = match self.chars.peek().copied() {
             None => return fault("", "ends where a symbol is expected"),
@@ -164,7 +135,7 @@ impl Scanner<'_> {
                         "makes a factor other than 1, which a unit cannot have",
                     );
                 }
-                (Parsed::NUMBER, "1".to_owned())
+                (Definition::NUMBER, "1".to_owned())
             }
             Some(_) => self.symbol()?,
         };
@@ -172,7 +143,7 @@ impl Scanner<'_> {
         Ok((base, exponent, token))
     }
 
-    fn symbol(&mut self) -> Result<(Parsed, String), Fault> {
+    fn symbol(&mut self) -> Result<(Definition, String), Fault> {
         let mut token = String::new();
         while let Some(&c) = self.chars.peek()
             && (c.is_alphabetic() || matches!(c, '%' | '°' | '\u{b5}' | '\u{2126}' | '_'))
@@ -190,14 +161,7 @@ impl Scanner<'_> {
             return fault(found, reason);
         }
         match symbol::find(&token, self.g) {
-            Some(found) if found.offset == 0.0 => {
-                let parsed = Parsed {
-                    dimension: found.dimension,
-                    ratio: found.ratio,
-                    offset: 0.0,
-                };
-                Ok((parsed, token))
-            }
+            Some(found) if found.offset == 0.0 => Ok((found, token)),
             Some(_) => fault(
                 token,
                 "has a shifted zero and cannot be part of a compound unit",
@@ -300,17 +264,8 @@ impl Scanner<'_> {
 
 /// Returns the value of an ordinary or a superscript digit.
 fn digit_of(c: char) -> Option<i8> {
-    match c {
-        '0' | '⁰' => Some(0),
-        '1' | '¹' => Some(1),
-        '2' | '²' => Some(2),
-        '3' | '³' => Some(3),
-        '4' | '⁴' => Some(4),
-        '5' | '⁵' => Some(5),
-        '6' | '⁶' => Some(6),
-        '7' | '⁷' => Some(7),
-        '8' | '⁸' => Some(8),
-        '9' | '⁹' => Some(9),
-        _ => None,
-    }
+    let raised = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip(0..).find(|(digit, _)| *digit == c);
+    raised
+        .map(|(_, value)| value)
+        .or_else(|| i8::try_from(c.to_digit(10)?).ok())
 }

@@ -3,7 +3,7 @@
 use super::ratio::Ratio;
 use crate::Dimension;
 
-/// Definition of a symbol without prefix.
+/// Meaning of a symbol or of a compound of symbols.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Definition {
     pub(super) dimension: Dimension,
@@ -12,34 +12,40 @@ pub(super) struct Definition {
     pub(super) offset: f64,
 }
 
-/// Exponents of m, kg, s, A and K.
-const fn dimension([length, mass, time, current, temperature]: [i8; 5]) -> Dimension {
-    Dimension {
-        length,
-        mass,
-        time,
-        current,
-        temperature,
+impl Definition {
+    pub(super) const NUMBER: Self = Self {
+        dimension: Dimension::NONE,
+        ratio: Ratio::ONE,
+        offset: 0.0,
+    };
+
+    /// Multiplies by a power; `None` if an exponent overflows.
+    pub(super) fn times(self, other: Self, exponent: i8) -> Option<Self> {
+        Some(Self {
+            dimension: self.dimension.product(other.dimension.power(exponent)?)?,
+            ratio: self.ratio.times(other.ratio.power(exponent)),
+            offset: 0.0,
+        })
     }
 }
 
-const NUMBER: Dimension = dimension([0, 0, 0, 0, 0]);
-const LENGTH: Dimension = dimension([1, 0, 0, 0, 0]);
-const VOLUME: Dimension = dimension([3, 0, 0, 0, 0]);
-const MASS: Dimension = dimension([0, 1, 0, 0, 0]);
-const TIME: Dimension = dimension([0, 0, 1, 0, 0]);
-const CURRENT: Dimension = dimension([0, 0, 0, 1, 0]);
-const TEMPERATURE: Dimension = dimension([0, 0, 0, 0, 1]);
-const FREQUENCY: Dimension = dimension([0, 0, -1, 0, 0]);
-const ACCELERATION: Dimension = dimension([1, 0, -2, 0, 0]);
-const FORCE: Dimension = dimension([1, 1, -2, 0, 0]);
-const PRESSURE: Dimension = dimension([-1, 1, -2, 0, 0]);
-const ENERGY: Dimension = dimension([2, 1, -2, 0, 0]);
-const POWER: Dimension = dimension([2, 1, -3, 0, 0]);
-const CHARGE: Dimension = dimension([0, 0, 1, 1, 0]);
-const VOLTAGE: Dimension = dimension([2, 1, -3, -1, 0]);
-const RESISTANCE: Dimension = dimension([2, 1, -3, -2, 0]);
-const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
+const NUMBER: Dimension = Dimension::of([0, 0, 0, 0, 0]);
+const LENGTH: Dimension = Dimension::of([1, 0, 0, 0, 0]);
+const VOLUME: Dimension = Dimension::of([3, 0, 0, 0, 0]);
+const MASS: Dimension = Dimension::of([0, 1, 0, 0, 0]);
+const TIME: Dimension = Dimension::of([0, 0, 1, 0, 0]);
+const CURRENT: Dimension = Dimension::of([0, 0, 0, 1, 0]);
+const TEMPERATURE: Dimension = Dimension::of([0, 0, 0, 0, 1]);
+const FREQUENCY: Dimension = Dimension::of([0, 0, -1, 0, 0]);
+const ACCELERATION: Dimension = Dimension::of([1, 0, -2, 0, 0]);
+const FORCE: Dimension = Dimension::of([1, 1, -2, 0, 0]);
+const PRESSURE: Dimension = Dimension::of([-1, 1, -2, 0, 0]);
+const ENERGY: Dimension = Dimension::of([2, 1, -2, 0, 0]);
+const POWER: Dimension = Dimension::of([2, 1, -3, 0, 0]);
+const CHARGE: Dimension = Dimension::of([0, 0, 1, 1, 0]);
+const VOLTAGE: Dimension = Dimension::of([2, 1, -3, -1, 0]);
+const RESISTANCE: Dimension = Dimension::of([2, 1, -3, -2, 0]);
+const CAPACITANCE: Dimension = Dimension::of([-2, -1, 4, 2, 0]);
 
 /// Symbols that take an SI prefix, including the words used by acquisition drivers: names,
 /// dimension, numerator and denominator of the SI value.

@@ -87,39 +87,25 @@ pub(super) fn numbers(
     };
     let place = Place::Byte(at);
     hierarchy.reading.budget.take(count, 8, place, name)?;
-    let values: Vec<f64> = match dataset.dtype() {
-        Datatype::FloatingPoint { size: 4, .. } => {
-            let read = dataset.read_array::<f32>().map_err(fail)?;
-            read.iter().map(|&value| f64::from(value)).collect()
+    let values = match (dataset.dtype(), size) {
+        (Datatype::FloatingPoint { .. }, 4) => of_type::<f32>(dataset, f64::from),
+        (Datatype::FloatingPoint { .. }, _) => of_type(dataset, |value: f64| value),
+        (Datatype::FixedPoint { signed: true, .. }, 1) => of_type::<i8>(dataset, f64::from),
+        (Datatype::FixedPoint { signed: true, .. }, 2) => of_type::<i16>(dataset, f64::from),
+        (Datatype::FixedPoint { signed: true, .. }, 4) => of_type::<i32>(dataset, f64::from),
+        (Datatype::FixedPoint { signed: true, .. }, 8) => {
+            of_type(dataset, |value: i64| value as f64)
         }
-        Datatype::FloatingPoint { .. } => dataset
-            .read_array::<f64>()
-            .map_err(fail)?
-            .into_iter()
-            .collect(),
-        Datatype::FixedPoint { signed: true, .. } if size == 8 => {
-            let read = dataset.read_array::<i64>().map_err(fail)?;
-            read.iter().map(|&value| value as f64).collect()
+        (_, 1) => of_type::<u8>(dataset, f64::from),
+        (_, 2) => of_type::<u16>(dataset, f64::from),
+        (_, 4) => of_type::<u32>(dataset, f64::from),
+        (_, 8) => of_type(dataset, |value: u64| value as f64),
+        (_, other) => {
+            let found = format!("integers of {other} bytes");
+            return Err(malformed(name, at, found, "of 1, 2, 4 or 8"));
         }
-        Datatype::FixedPoint { signed: false, .. } if size == 8 => {
-            let read = dataset.read_array::<u64>().map_err(fail)?;
-            read.iter().map(|&value| value as f64).collect()
-        }
-        Datatype::FixedPoint { signed, .. } => match (size, signed) {
-            (1, true) => widened::<i8>(dataset),
-            (1, false) => widened::<u8>(dataset),
-            (2, true) => widened::<i16>(dataset),
-            (2, false) => widened::<u16>(dataset),
-            (4, true) => widened::<i32>(dataset),
-            (4, false) => widened::<u32>(dataset),
-            (other, _) => {
-                let found = format!("integers of {other} bytes");
-                return Err(malformed(name, at, found, "of 1, 2, 4 or 8"));
-            }
-        }
-        .map_err(fail)?,
-        _ => Vec::new(),
-    };
+    }
+    .map_err(fail)?;
     hierarchy.reading.budget.give_back(8 * count);
     if size == 8
         && matches!(dataset.dtype(), Datatype::FixedPoint { .. })
@@ -131,11 +117,13 @@ pub(super) fn numbers(
     Ok(Ordinate::Real(values))
 }
 
-fn widened<T: hdf5_reader::H5Type + Into<f64> + Copy>(
+/// Reads numbers of type `T`, each converted by `converted`.
+fn of_type<T: hdf5_reader::H5Type + Copy>(
     dataset: &Dataset,
+    converted: impl Fn(T) -> f64,
 ) -> Result<Vec<f64>, hdf5_reader::error::Error> {
     let read = dataset.read_array::<T>()?;
-    Ok(read.iter().map(|&value| value.into()).collect())
+    Ok(read.iter().map(|&value| converted(value)).collect())
 }
 
 /// A number within a compound type.

@@ -26,35 +26,28 @@ enum Input {
     Step(usize),
 }
 
+/// A scale: a rule with its first input and, for rules of two inputs, its second.
 #[derive(Debug)]
-enum Step {
+struct Step {
+    rule: Rule,
+    first: Input,
+    second: Input,
+}
+
+#[derive(Debug)]
+enum Rule {
     Linear {
-        input: Input,
         slope: f64,
         intercept: f64,
     },
-    Polynomial {
-        input: Input,
-        coefficients: Vec<f64>,
-    },
+    /// Coefficients from the constant on.
+    Polynomial(Vec<f64>),
     /// Points in the order of ascending abscissa.
-    Table {
-        input: Input,
-        points: Vec<(f64, f64)>,
-    },
-    Add {
-        left: Input,
-        right: Input,
-    },
-    Sensor {
-        input: Input,
-        sensor: Sensor,
-    },
-    /// The right operand minus the left one, as the software of the format's vendor does.
-    Subtract {
-        left: Input,
-        right: Input,
-    },
+    Table(Vec<(f64, f64)>),
+    Sensor(Sensor),
+    Add,
+    /// The second input minus the first, as the software of the format's vendor does.
+    Subtract,
 }
 
 /// The properties that define the scales of a channel.
@@ -78,15 +71,19 @@ impl Scales<'_> {
         )
     }
 
+    /// Returns the error for the value of a property, or for its absence.
+    fn wrong(&self, name: &str, expected: &str) -> LabioError {
+        let property = self.owner.property(name);
+        let found =
+            property.map_or_else(|| "missing".to_owned(), |property| property.value.to_text());
+        self.refused(name, found, expected)
+    }
+
     fn real(&self, name: &str) -> Result<f64, LabioError> {
         let property = self.owner.property(name);
         property
             .and_then(|property| property.value.as_real())
-            .ok_or_else(|| {
-                let found = property
-                    .map_or_else(|| "missing".to_owned(), |property| property.value.to_text());
-                self.refused(name, found, "a number")
-            })
+            .ok_or_else(|| self.wrong(name, "a number"))
     }
 
     /// Reads the index of an input; without the property, the input is the raw numbers.
@@ -99,11 +96,7 @@ impl Scales<'_> {
                 .as_index()
                 .filter(|&source| source == RAW || source < scale)
                 .ok_or_else(|| {
-                    self.refused(
-                        name,
-                        property.value.to_text(),
-                        "an earlier scale, or 0xffffffff for the raw numbers",
-                    )
+                    self.wrong(name, "an earlier scale, or 0xffffffff for the raw numbers")
                 }),
         }
     }
@@ -119,7 +112,7 @@ impl Scales<'_> {
                 let n = property
                     .value
                     .as_index()
-                    .ok_or_else(|| self.refused(&size, property.value.to_text(), "a count"))?;
+                    .ok_or_else(|| self.wrong(&size, "a count"))?;
                 for index in 0..n {
                     numbers.push(self.real(&element(index))?);
                 }
@@ -174,42 +167,23 @@ impl Scales<'_> {
     }
 
     fn step(&self, scale: u32, inputs: &[Input]) -> Result<Step, LabioError> {
-        let first = inputs.first().copied().unwrap_or(Input::Raw);
-        let second = inputs.get(1).copied().unwrap_or(Input::Raw);
-        Ok(match self.kind(scale) {
-            Some("Linear") => Step::Linear {
-                input: first,
+        let rule = match self.kind(scale) {
+            Some("Linear") => Rule::Linear {
                 slope: self.real(&format!("NI_Scale[{scale}]_Linear_Slope"))?,
                 intercept: self.real(&format!("NI_Scale[{scale}]_Linear_Y_Intercept"))?,
             },
-            Some("Polynomial") => Step::Polynomial {
-                input: first,
-                coefficients: self.list(scale, "Polynomial_Coefficients")?,
-            },
-            Some("Add") => Step::Add {
-                left: first,
-                right: second,
-            },
-            Some("Subtract") => Step::Subtract {
-                left: first,
-                right: second,
-            },
-            Some("Strain") => Step::Sensor {
-                input: first,
-                sensor: self.bridge(scale)?,
-            },
-            Some("RTD") => Step::Sensor {
-                input: first,
-                sensor: self.resistance(scale)?,
-            },
-            Some("Thermocouple") => Step::Sensor {
-                input: first,
-                sensor: self.thermocouple(scale)?,
-            },
-            _ => Step::Table {
-                input: first,
-                points: self.points(scale)?,
-            },
+            Some("Polynomial") => Rule::Polynomial(self.list(scale, "Polynomial_Coefficients")?),
+            Some("Add") => Rule::Add,
+            Some("Subtract") => Rule::Subtract,
+            Some("Strain") => Rule::Sensor(self.bridge(scale)?),
+            Some("RTD") => Rule::Sensor(self.resistance(scale)?),
+            Some("Thermocouple") => Rule::Sensor(self.thermocouple(scale)?),
+            _ => Rule::Table(self.points(scale)?),
+        };
+        Ok(Step {
+            rule,
+            first: inputs.first().copied().unwrap_or(Input::Raw),
+            second: inputs.get(1).copied().unwrap_or(Input::Raw),
         })
     }
 
@@ -232,11 +206,9 @@ impl Scales<'_> {
     ) -> Result<T, LabioError> {
         let property = self.owner.property(name);
         let number = property.and_then(|property| property.value.as_index());
-        number.and_then(of).ok_or_else(|| {
-            let found =
-                property.map_or_else(|| "missing".to_owned(), |property| property.value.to_text());
-            self.refused(name, found, expected)
-        })
+        number
+            .and_then(of)
+            .ok_or_else(|| self.wrong(name, expected))
     }
 
     fn bridge(&self, scale: u32) -> Result<Sensor, LabioError> {
@@ -269,14 +241,11 @@ impl Scales<'_> {
         // compensates the other lead), none of 4 wires
         let n_leads = self.choice(
             &name("Resistance_Configuration"),
-            |wires| {
-                Some(
-                    [2.0, 1.0, 0.0]
-                        .into_iter()
-                        .zip(2..)
-                        .find(|(_, n)| *n == wires)?
-                        .0,
-                )
+            |wires| match wires {
+                2 => Some(2.0),
+                3 => Some(1.0),
+                4 => Some(0.0),
+                _ => None,
             },
             "2, 3 or 4 wires",
         )?;
@@ -378,18 +347,15 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
                 place: property.place,
                 path,
             };
-            let n = property.value.as_index().ok_or_else(|| {
-                scales.refused(
-                    "NI_Number_Of_Scales",
-                    property.value.to_text(),
-                    "a number of scales",
-                )
-            })?;
+            let n = property
+                .value
+                .as_index()
+                .ok_or_else(|| scales.wrong("NI_Number_Of_Scales", "a number of scales"))?;
             (scales, n)
         }
         _ => return unscaled(channel, numbers),
     };
-    let steps = steps(&scales, n_scales - 1, numbers)?;
+    let (result, steps) = steps(&scales, n_scales - 1, numbers)?;
     let lengths = numbers.scalers.iter().map(|(_, values)| values.len());
     let n = lengths.clone().min().unwrap_or(numbers.values.len());
     if lengths.clone().any(|length| length != n) {
@@ -401,7 +367,6 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
             "as many values for each",
         ));
     }
-    let (result, steps) = steps;
     // results of the steps for one sample, in the order of the steps
     let mut outcomes = Vec::with_capacity(steps.len());
     let mut output = Vec::with_capacity(n);
@@ -429,26 +394,17 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
         };
         outcomes.clear();
         for step in &steps {
-            let value = match step {
-                Step::Linear {
-                    input,
-                    slope,
-                    intercept,
-                } => at(*input, &outcomes)? * slope + intercept,
-                Step::Polynomial {
-                    input,
-                    coefficients,
-                } => {
-                    let x = at(*input, &outcomes)?;
-                    coefficients
-                        .iter()
-                        .rev()
-                        .fold(0.0, |sum, coefficient| sum * x + coefficient)
-                }
-                Step::Table { input, points } => interpolated(points, at(*input, &outcomes)?),
-                Step::Sensor { input, sensor } => sensor.value(at(*input, &outcomes)?),
-                Step::Add { left, right } => at(*left, &outcomes)? + at(*right, &outcomes)?,
-                Step::Subtract { left, right } => at(*right, &outcomes)? - at(*left, &outcomes)?,
+            let x = at(step.first, &outcomes)?;
+            let value = match &step.rule {
+                Rule::Linear { slope, intercept } => x * slope + intercept,
+                Rule::Polynomial(coefficients) => coefficients
+                    .iter()
+                    .rev()
+                    .fold(0.0, |sum, coefficient| sum * x + coefficient),
+                Rule::Table(points) => interpolated(points, x),
+                Rule::Sensor(sensor) => sensor.value(x),
+                Rule::Add => x + at(step.second, &outcomes)?,
+                Rule::Subtract => at(step.second, &outcomes)? - x,
             };
             outcomes.push(value);
         }
@@ -514,11 +470,7 @@ fn steps(
             Input::Scaler(slot)
         } else {
             let name = format!("NI_Scale[{scale}]_Scale_Type");
-            return Err(scales.refused(
-                &name,
-                "missing",
-                "a kind of scale, or a DAQmx scaler of that number",
-            ));
+            return Err(scales.wrong(&name, "a kind of scale, or a DAQmx scaler of that number"));
         };
         places.push((scale, input));
     }

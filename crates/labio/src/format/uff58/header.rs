@@ -1,5 +1,7 @@
 //! Records 1 to 11 of a data set 58, and the fields of its identifier line that make it a 58b.
 
+use std::fmt;
+
 use super::fortran_real;
 use super::lines::{Line, Lines, decode};
 use super::{ByteOrder, FORMAT};
@@ -143,7 +145,7 @@ impl<'a> Columns<'a> {
             .ok_or_else(|| self.refused(field, text, "a finite number"))
     }
 
-    fn refused(&self, field: &str, found: &str, expected: &str) -> LabioError {
+    fn refused(&self, field: &str, found: impl fmt::Display, expected: &str) -> LabioError {
         malformed(
             self.place,
             format!("record {}, {field}", self.record),
@@ -182,22 +184,14 @@ pub(super) fn binary_form(line: Line<'_>) -> Result<BinaryForm, LabioError> {
         1 => ByteOrder::LittleEndian,
         2 => ByteOrder::BigEndian,
         other => {
-            return Err(refused(
-                "byte order",
-                other,
-                "1 (little-endian) or 2 (big-endian)",
-            ));
+            let expected = "1 (little-endian) or 2 (big-endian)";
+            return Err(refused("byte order", other, expected));
         }
     };
-    match columns.integer(13, 6, "floating-point format")? {
-        2 => {}
-        other => {
-            return Err(refused(
-                "floating-point format",
-                other,
-                "2 (IEEE 754), the only supported format",
-            ));
-        }
+    let format = columns.integer(13, 6, "floating-point format")?;
+    if format != 2 {
+        let expected = "2 (IEEE 754), the only supported format";
+        return Err(refused("floating-point format", format, expected));
     }
     let n_bytes = columns.integer(31, 12, "number of bytes")?;
     let n_bytes =
@@ -237,13 +231,8 @@ impl Header {
 
         let dof = record(6);
         let function_type = dof.integer(0, 5, "field 1 (function type)")?;
-        let function_type = u8::try_from(function_type).map_err(|_| {
-            dof.refused(
-                "field 1 (function type)",
-                &function_type.to_string(),
-                "0 to 255",
-            )
-        })?;
+        let function_type = u8::try_from(function_type)
+            .map_err(|_| dof.refused("field 1 (function type)", function_type, "0 to 255"))?;
         let degree_of_freedom = |first: usize, what: &str| -> Result<DegreeOfFreedom, LabioError> {
             Ok(DegreeOfFreedom {
                 entity: dof.name(first, 10),
@@ -262,31 +251,18 @@ impl Header {
             6 => (true, true),
             other => {
                 let expected = "2, 4 (real, single or double) or 5, 6 (complex)";
-                return Err(form.refused(
-                    "field 1 (ordinate data type)",
-                    &other.to_string(),
-                    expected,
-                ));
+                return Err(form.refused("field 1 (ordinate data type)", other, expected));
             }
         };
         let n_points = form.integer(10, 10, "field 2 (number of values)")?;
-        let n_points = usize::try_from(n_points).map_err(|_| {
-            form.refused(
-                "field 2 (number of values)",
-                &n_points.to_string(),
-                "0 or more",
-            )
-        })?;
+        let n_points = usize::try_from(n_points)
+            .map_err(|_| form.refused("field 2 (number of values)", n_points, "0 or more"))?;
         let even = match form.integer(20, 10, "field 3 (abscissa spacing)")? {
             0 => false,
             1 => true,
             other => {
                 let expected = "0 (uneven) or 1 (even)";
-                return Err(form.refused(
-                    "field 3 (abscissa spacing)",
-                    &other.to_string(),
-                    expected,
-                ));
+                return Err(form.refused("field 3 (abscissa spacing)", other, expected));
             }
         };
         let axis = |number: usize| -> Result<AxisRecord, LabioError> {
@@ -335,7 +311,7 @@ impl Header {
                     ByteOrder::LittleEndian => 1,
                     ByteOrder::BigEndian => 2,
                 };
-                let n_bytes = integer(&form.n_bytes.to_string(), 12, "number of bytes")?;
+                let n_bytes = integer(form.n_bytes, 12, "number of bytes")?;
                 output.push_str(&format!(
                     "    58b{order:6}{:6}{N_RECORDS:12}{n_bytes}{:6}{:6}{:12}{:12}\n",
                     2, 0, 0, 0, 0
@@ -347,20 +323,17 @@ impl Header {
             output.push('\n');
         }
         let dof = |dof: &DegreeOfFreedom, what: &str| -> Result<String, LabioError> {
-            let [node, direction] = [("node", dof.node, 10), ("direction", dof.direction, 4)].map(
-                |(part, value, width)| {
-                    integer(&value.to_string(), width, &format!("{what} {part}"))
-                },
-            );
+            let node = integer(dof.node, 10, &format!("{what} node"))?;
+            let direction = integer(dof.direction, 4, &format!("{what} direction"))?;
             let entity = text(&dof.entity, 10, &format!("{what} entity name"))?;
-            Ok(format!(" {entity}{}{}", node?, direction?))
+            Ok(format!(" {entity}{node}{direction}"))
         };
         output.push_str(&format!(
             "{:5}{}{}{}{}{}\n",
             self.function_type,
-            integer(&self.function_id.to_string(), 10, "function identification")?,
-            integer(&self.version.to_string(), 5, "version")?,
-            integer(&self.load_case.to_string(), 10, "load case")?,
+            integer(self.function_id, 10, "function identification")?,
+            integer(self.version, 5, "version")?,
+            integer(self.load_case, 10, "load case")?,
             dof(&self.response, "response")?,
             dof(&self.reference, "reference")?,
         ));
@@ -372,24 +345,17 @@ impl Header {
         };
         output.push_str(&format!(
             "{data_type:10}{}{:10}{}{}{}\n",
-            integer(&self.n_points.to_string(), 10, "number of values")?,
+            integer(self.n_points, 10, "number of values")?,
             u8::from(self.even),
             real(self.start, 0.0, "abscissa minimum")?,
             real(self.step, self.step_half_unit, "abscissa increment")?,
             real(self.z_value, 0.0, "z-axis value")?,
         ));
         for (axis, name) in self.axes.iter().zip(AXES) {
-            output.push_str(&integer(
-                &axis.data_type.to_string(),
-                10,
-                &format!("{name} data type"),
-            )?);
+            output.push_str(&integer(axis.data_type, 10, &format!("{name} data type"))?);
             for exponent in axis.exponents {
-                output.push_str(&integer(
-                    &exponent.to_string(),
-                    5,
-                    &format!("{name} unit exponent"),
-                )?);
+                let what = format!("{name} unit exponent");
+                output.push_str(&integer(exponent, 5, &what)?);
             }
             let label = text(&axis.label, 20, &format!("{name} label"))?;
             let unit = text(&axis.unit, 20, &format!("{name} unit"))?;
@@ -404,7 +370,8 @@ fn cannot(what: String) -> LabioError {
 }
 
 /// Formats `value` right-aligned.
-fn integer(value: &str, width: usize, what: &str) -> Result<String, LabioError> {
+fn integer(value: impl fmt::Display, width: usize, what: &str) -> Result<String, LabioError> {
+    let value = value.to_string();
     if value.len() > width {
         return Err(cannot(format!("{what} {value} in {width} columns")));
     }
