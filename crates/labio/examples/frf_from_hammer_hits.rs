@@ -18,7 +18,6 @@ mod free_body;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use free_body::{Hammer, MASS};
 use labio::{
@@ -88,7 +87,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .count(),
     );
 
-    let table = table_path()?;
+    let table = free_body::table_path("frf_from_hammer_hits.csv")?;
     fs::write(&table, csv(&accelerance)?)?;
     let figure = table.with_extension("svg");
     fs::write(&figure, svg(&accelerance))?;
@@ -140,18 +139,4 @@ fn svg(accelerance: &FrequencyResponse) -> String {
     let panel = Panel::new(("frequency", "kHz"), magnitude, marks);
     let title = "Accelerance of a free body with two modes";
     svg_of(&Figure::new("frf_from_hammer_hits", title, vec![panel]))
-}
-
-/// Path from the command line, or the default path in `target/examples`.
-fn table_path() -> Result<PathBuf, Box<dyn Error>> {
-    if let Some(path) = std::env::args_os().nth(1) {
-        return Ok(path.into());
-    }
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    Ok(folder.join("frf_from_hammer_hits.csv"))
 }

@@ -18,7 +18,6 @@ mod free_body;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use free_body::{Hammer, MASS};
 use labio::{
@@ -81,7 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         completed.apparent_mass, completed.apparent_mass_standard_error
     );
 
-    let table = table_path()?;
+    let table = free_body::table_path("merge_two_hammers.csv")?;
     fs::write(&table, csv(&chosen, &weighed)?)?;
     println!("{}", table.display());
     Ok(())
@@ -128,18 +127,4 @@ fn csv(chosen: &MergedResponse, weighed: &MergedResponse) -> Result<String, Box<
         )?;
     }
     Ok(text)
-}
-
-/// Path from the command line, or the default path in `target/examples`.
-fn table_path() -> Result<PathBuf, Box<dyn Error>> {
-    if let Some(path) = std::env::args_os().nth(1) {
-        return Ok(path.into());
-    }
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    Ok(folder.join("merge_two_hammers.csv"))
 }

@@ -298,6 +298,15 @@ pub fn is_absent(error: &(dyn Error + 'static)) -> bool {
     })
 }
 
+/// Returns the reason why the record at `path` was not read.
+pub fn unread(path: &Path, error: &(dyn Error + 'static)) -> NotMeasured {
+    if is_absent(error) {
+        NotMeasured::Absent(format!("{} does not exist", path.display()))
+    } else {
+        refused(error)
+    }
+}
+
 /// Returns an error together with its causes, as one line.
 pub fn refused(error: &dyn Error) -> NotMeasured {
     let mut text = error.to_string();

@@ -1,7 +1,9 @@
-//! A virtual free body with two modes, whose response is known in closed form, and the hammers that
-//! strike it.
+//! A virtual free body with two modes, whose response is known in closed form, the hammers that
+//! strike it, and the path of the results.
 
+use std::error::Error;
 use std::f64::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
 
 use labio::{Channel, LabioError, Provenance, Quantity, Record};
 use ndarray::Array2;
@@ -140,4 +142,18 @@ impl Hammer {
         }
         Ok(hits)
     }
+}
+
+/// Path from the command line, or that of the file `name` in `target/examples`.
+pub(crate) fn table_path(name: &str) -> Result<PathBuf, Box<dyn Error>> {
+    if let Some(path) = std::env::args_os().nth(1) {
+        return Ok(path.into());
+    }
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .ok_or("the crate lies in the folder crates of its workspace")?;
+    let folder = workspace.join("target/examples");
+    std::fs::create_dir_all(&folder)?;
+    Ok(folder.join(name))
 }

@@ -115,8 +115,7 @@ fn bias(report: &mut Claims) {
             ];
             worst(cases, |(estimator, expected)| {
                 let values = spectra.response(estimator, "x", "y")?.values;
-                let magnitudes: Vec<f64> = values.iter().map(|h| h.norm()).collect();
-                Ok(mean(&magnitudes) / expected - 1.0)
+                Ok(mean(values.iter().map(|h| h.norm())) / expected - 1.0)
             })
         },
     );
@@ -153,7 +152,7 @@ fn bias(report: &mut Claims) {
                         bias.output_noise
                     }
                 };
-                Ok(mean(&bias.iter().map(of).collect::<Vec<_>>()) - expected)
+                Ok(mean(bias.iter().map(of)) - expected)
             })
         },
     );
@@ -169,7 +168,7 @@ fn random_errors(report: &mut Claims) {
     let scatter = |of: fn(&Complex64) -> f64| -> Fallible<f64> {
         let values = spectra()?.h1("x", "y")?.values;
         let inner = values[1..values.len() - 1].iter();
-        Ok(mean(&inner.map(|h| of(h).powi(2)).collect::<Vec<_>>()).sqrt())
+        Ok(mean(inner.map(|h| of(h).powi(2))).sqrt())
     };
     report.check(
         Claim::new(
@@ -215,13 +214,7 @@ fn random_errors(report: &mut Claims) {
         || {
             let values = spectra()?.coherence("x", "y")?.values;
             let centre = mean(&values);
-            Ok(mean(
-                &values
-                    .iter()
-                    .map(|v| (v - centre).powi(2))
-                    .collect::<Vec<_>>(),
-            )
-            .sqrt())
+            Ok(mean(values.iter().map(|v| (v - centre).powi(2))).sqrt())
         },
     );
 }

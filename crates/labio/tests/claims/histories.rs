@@ -4,8 +4,9 @@
 use std::f64::consts::{PI, TAU};
 
 use labio::{
-    AddedDamping, AveragedSpectra, FrequencyResponse, ImpulseResponse, LowFrequency, Quantity,
-    ResponseKind, RigidBand, RigidBody, SpectrumAverager, Window, differentiate, integrate,
+    AddedDamping, AveragedSpectra, FrequencyResponse, ImpulseResponse, LowFrequency, Passivity,
+    Quantity, ResponseKind, RigidBand, RigidBody, SpectrumAverager, Window, differentiate,
+    integrate,
 };
 use num_complex::Complex64;
 use testbed::half_sine::half_sine;
@@ -300,14 +301,20 @@ fn rigid_bodies(report: &mut Claims) {
     );
 }
 
-/// Response from eight hits on a damper whose velocity is `delay` samples late and noisy.
-fn damper(mobility: f64, delay: usize, level: f64) -> Fallible<FrequencyResponse> {
+/// Response from `n_hits` hits on a damper whose velocity is `delay` samples late and noisy.
+fn damper(
+    n_hits: u32,
+    mobility: f64,
+    delay: usize,
+    level: f64,
+    seed: u64,
+) -> Fallible<FrequencyResponse> {
     let n = 256;
-    let mut rng = Noise::seeded(2);
+    let mut rng = Noise::seeded(seed);
     let mut force = vec![0.0; n];
     force[0] = 1.0;
     let mut hits = Vec::new();
-    for _ in 0..8 {
+    for _ in 0..n_hits {
         let mut velocity = rng.white(n, level);
         velocity[delay] += mobility;
         hits.push(hit(&force, &velocity, 256.0)?);
@@ -320,7 +327,7 @@ fn driving_points(report: &mut Claims) {
         |what: &str, source, expected, (tolerance, why), (mobility, delay, noise, level)| {
             let claim = Claim::new(what, source).expects(expected, "of 129");
             report.check(claim.within(tolerance, why), || {
-                let report = damper(mobility, delay, noise)?.passivity(level)?;
+                let report = damper(8, mobility, delay, noise, 2)?.passivity(level)?;
                 Ok(report.active_lines().count() as f64)
             });
         };
@@ -353,4 +360,33 @@ fn driving_points(report: &mut Claims) {
         (23.0, "four binomial standard errors"),
         (0.0, 0, 1.0, 0.5),
     );
+}
+
+#[test]
+fn s12_nothing_but_noise_is_flagged_as_often_as_the_level_says() {
+    let response = damper(8, 0.0, 0, 1.0, 2).unwrap();
+    let report = response.passivity(0.02).unwrap();
+    assert!(report.lines.contains(&Passivity::WithinError));
+    // 20 tests with 129 lines at a level of 1 %: 26 lines, with 20 for four standard errors; a
+    // limit of two standard errors would flag 6 % of the lines from three hits
+    let flagged: usize = (0..20)
+        .map(|seed| {
+            let response = damper(3, 0.0, 0, 1.0, seed).unwrap();
+            response.passivity(0.01).unwrap().active_lines().count()
+        })
+        .sum();
+    assert!((6..46).contains(&flagged), "{flagged}");
+}
+
+#[test]
+fn every_kind_gives_the_same_verdicts_and_one_hit_none() {
+    let response = damper(8, 2.0, 1, 0.1, 2).unwrap();
+    let direct = response.passivity(0.02).unwrap();
+    let dynamic_mass = response.to_kind(ResponseKind::DynamicMass).unwrap();
+    let by_mass = dynamic_mass.passivity(0.02).unwrap();
+    assert_eq!(direct.lines[1..], by_mass.lines[1..]);
+    assert_eq!(by_mass.lines[0], Passivity::Unknown);
+    let mut single = response.clone();
+    single.variance = None;
+    assert!(single.passivity(0.02).is_err() && response.passivity(1.0).is_err());
 }

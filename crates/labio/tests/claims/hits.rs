@@ -1,5 +1,7 @@
 //! Hits made from given samples.
 
+use std::borrow::Borrow;
+
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
 
@@ -32,6 +34,9 @@ pub(super) fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
+pub(super) fn mean(values: impl IntoIterator<Item = impl Borrow<f64>>) -> f64 {
+    let add = |(sum, n): (f64, f64), x: f64| (sum + x, n + 1.0);
+    let values = values.into_iter().map(|x| *x.borrow());
+    let (sum, n) = values.fold((0.0, 0.0), add);
+    sum / n
 }

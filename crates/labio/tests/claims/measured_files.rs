@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use labio::format::{self, Strictness};
 use labio::{Contents, Ordinate};
 
-use testbed::claim::{Check, Claim, Claims, NotMeasured, Ours, is_absent, refused};
+use testbed::claim::{Check, Claim, Claims, NotMeasured, Ours, unread};
 use testbed::difference::largest_difference;
 use testbed::hold;
 
@@ -137,10 +137,7 @@ fn counts_that_differ(data: &Path) -> Ours {
 
 /// The files of a folder, without its subfolders.
 fn files(folder: &Path) -> Ours<Vec<PathBuf>> {
-    let absent = |error: std::io::Error| match is_absent(&error) {
-        true => NotMeasured::Absent(format!("{} does not exist", folder.display())),
-        false => refused(&error),
-    };
+    let absent = |error: std::io::Error| unread(folder, &error);
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(absent)? {
         paths.push(entry.map_err(absent)?.path());
@@ -151,10 +148,7 @@ fn files(folder: &Path) -> Ours<Vec<PathBuf>> {
 
 /// Contents of a file whose defects, if any, do not affect the requested columns.
 fn contents(path: &Path) -> Ours<Contents> {
-    format::read_with(path, Strictness::Tolerant).map_err(|error| match is_absent(&error) {
-        true => NotMeasured::Absent(format!("{} does not exist", path.display())),
-        false => refused(&error),
-    })
+    format::read_with(path, Strictness::Tolerant).map_err(|error| unread(path, &error))
 }
 
 /// A column of real numbers, with its unit if the file states one.
@@ -174,13 +168,8 @@ fn real(path: &Path, name: &str, unit: &str) -> Ours<Vec<f64>> {
 
 fn text_against_binary(data: &Path) -> Ours {
     let read = |name: &str| {
-        let series = contents(&data.join("uff").join(name))?.series;
-        match series
-            .into_iter()
-            .map(|series| series.ordinate)
-            .collect::<Vec<_>>()
-            .pop()
-        {
+        let mut series = contents(&data.join("uff").join(name))?.series;
+        match series.pop().map(|series| series.ordinate) {
             Some(Ordinate::Real(values)) => Ok(values),
             _ => Err(NotMeasured::Refused(format!("no real numbers in {name}"))),
         }

@@ -177,8 +177,7 @@ fn recorders(report: &mut Claims) {
         || {
             let silence = history(10_000.0, 200_000, |_| 0.0)?;
             let noisy = Instrument::new().noise("a", NoiseSpectrum::white(2e-6)?);
-            let squares: Vec<f64> = taken(&noisy, &silence)?.iter().map(|x| x * x).collect();
-            Ok(mean(&squares))
+            Ok(mean(taken(&noisy, &silence)?.iter().map(|x| x * x)))
         },
     );
     report.check(
@@ -198,7 +197,7 @@ fn recorders(report: &mut Claims) {
                 let exact = history.channel("a")?;
                 let pairs = converted.iter().zip(exact.iter());
                 let squares = pairs.map(|(a, b)| ((a - b) / converter.step()).powi(2));
-                let found = mean(&squares.collect::<Vec<_>>());
+                let found = mean(squares);
                 Ok((found / expected - 1.0) / standard_error)
             })
         },

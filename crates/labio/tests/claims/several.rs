@@ -96,13 +96,12 @@ fn several_inputs(report: &mut Claims) {
             // a = u, b = v + u/2, c = w - 0.8 v - 0.1 u: y = 1.6 u - 1.7 v + 1.5 w + e
             let total = 1.6_f64.powi(2) + 1.7_f64.powi(2) + 1.5_f64.powi(2) + 1.0;
             for (input, part) in [1.6_f64, 1.7, 1.5].into_iter().enumerate() {
-                let ordered = mean(&response.ordered_coherence.row(input).to_vec());
+                let ordered = mean(response.ordered_coherence.row(input));
                 assert!((ordered - part * part / total).abs() < 0.011, "{input}: {ordered}");
             }
-            let last = response.partial_coherence.row(2).to_vec();
             Ok(largest([
                 mean(&response.multiple_coherence) - (1.0 - 1.0 / total),
-                mean(&last) - 2.25 / 3.25,
+                mean(response.partial_coherence.row(2)) - 2.25 / 3.25,
             ]))
         },
     );
@@ -139,8 +138,7 @@ fn merging(report: &mut Claims) {
             let test = |seed, noise| Ok::<_, Box<dyn Error + Send + Sync>>(noisy(seed, 2048, 20, 0.0, noise)?.h1("x", "y")?);
             let tests = [test(21, 0.01)?, test(22, 0.1)?];
             let square_error = |response: &FrequencyResponse| {
-                let squares = response.values.iter().map(|h| (h - 2.0).norm_sqr());
-                mean(&squares.collect::<Vec<_>>())
+                mean(response.values.iter().map(|h| (h - 2.0).norm_sqr()))
             };
             let merged = MergedResponse::by_inverse_variance(&tests)?.response;
             Ok(square_error(&merged) / square_error(&tests[0]))

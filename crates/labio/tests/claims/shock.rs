@@ -7,9 +7,7 @@ use std::path::Path;
 use labio::hits::{Criteria, Extent, HitLog, Reason, Trigger, find_hits};
 use labio::{AveragedSpectra, LabioError, Record, Window, format};
 
-use testbed::claim::{
-    Check, Claim, Claims, NotMeasured, Observation, Ours, is_absent, of, refused,
-};
+use testbed::claim::{Check, Claim, Claims, NotMeasured, Observation, Ours, of, unread};
 use testbed::hold;
 
 const TABLE: &str = "Acceleration_0";
@@ -137,14 +135,8 @@ fn shocks(data: &Path) -> Ours<Shocks> {
 }
 
 fn records(path: &Path) -> Ours<Vec<Record>> {
-    match format::read_records(path) {
-        Ok(together) => Ok(together.records),
-        Err(error) if is_absent(&error) => Err(NotMeasured::Absent(format!(
-            "{} does not exist",
-            path.display()
-        ))),
-        Err(error) => Err(refused(&error)),
-    }
+    let together = format::read_records(path).map_err(|error| unread(path, &error))?;
+    Ok(together.records)
 }
 
 struct TwoHits {

@@ -154,9 +154,6 @@ fn scatter(report: &mut Claims) {
         )
         .expects(0.1, "1")
         .within(4.0 * 0.0025, "four standard errors over 4095 lines"),
-        || {
-            let squares: Vec<f64> = relative()?.iter().map(|g| (g - 1.0).powi(2)).collect();
-            Ok(mean(&squares))
-        },
+        || Ok(mean(relative()?.iter().map(|g| (g - 1.0).powi(2)))),
     );
 }

@@ -94,32 +94,15 @@ fn each_packing_of_58b_is_read_in_both_byte_orders() {
     for (spacing, abscissa) in [(1, &even), (0, &uneven)] {
         for (types, ordinate) in [([2, 4], &three), ([5, 6], &three_complex)] {
             let wanted = [spacing == 0, true, types == [5, 6]];
-            let singles: Vec<f32> = pick(wanted).map(|x| x as f32).collect();
-            let doubles: Vec<f64> = pick(wanted).collect();
             let [single, double] = types;
-            let blocks: [(u8, u8, Vec<u8>); 4] = [
-                (
-                    single,
-                    1,
-                    singles.iter().flat_map(|x| x.to_le_bytes()).collect(),
-                ),
-                (
-                    single,
-                    2,
-                    singles.iter().flat_map(|x| x.to_be_bytes()).collect(),
-                ),
-                (
-                    double,
-                    1,
-                    doubles.iter().flat_map(|x| x.to_le_bytes()).collect(),
-                ),
-                (
-                    double,
-                    2,
-                    doubles.iter().flat_map(|x| x.to_be_bytes()).collect(),
-                ),
-            ];
-            for (data_type, order, data) in blocks {
+            for (data_type, order) in [(single, 1), (single, 2), (double, 1), (double, 2)] {
+                let number = |x: f64| match (data_type == single, order) {
+                    (true, 1) => (x as f32).to_le_bytes().to_vec(),
+                    (true, _) => (x as f32).to_be_bytes().to_vec(),
+                    (false, 1) => x.to_le_bytes().to_vec(),
+                    (false, _) => x.to_be_bytes().to_vec(),
+                };
+                let data: Vec<u8> = pick(wanted).flat_map(number).collect();
                 let file = binary(
                     order,
                     data.len(),
