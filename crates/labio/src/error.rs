@@ -360,6 +360,16 @@ pub enum LabioError {
     InFile { path: PathBuf, source: Box<Self> },
 }
 
+/// Returns the error [`LabioError::Read`].
+pub(crate) fn not_read(source: io::Error) -> LabioError {
+    LabioError::Read { source }
+}
+
+/// Returns the error [`LabioError::Write`].
+pub(crate) fn not_written(source: io::Error) -> LabioError {
+    LabioError::Write { source }
+}
+
 /// Returns the error [`LabioError::NonPhysical`].
 pub(crate) fn non_physical<T>(
     quantity: &'static str,
@@ -534,6 +544,14 @@ pub enum Place {
         /// Column of the table, from 1.
         column: u64,
     },
+}
+
+impl Place {
+    /// Returns the place of a cell; `column` counts from 0.
+    pub(crate) fn cell(line: u64, column: usize) -> Self {
+        let column = column as u64 + 1;
+        Self::Cell { line, column }
+    }
 }
 
 impl fmt::Display for Place {

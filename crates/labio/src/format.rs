@@ -26,7 +26,7 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::error::{check_positive, count_mismatch};
+use crate::error::{check_positive, count_mismatch, not_read};
 use crate::{Abscissa, Contents, Dimension, LabioError, Provenance, Record};
 
 pub mod csv;
@@ -188,7 +188,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Contents, LabioError> {
 pub fn read_with(path: impl AsRef<Path>, strictness: Strictness) -> Result<Contents, LabioError> {
     let path = path.as_ref();
     fs::read(path)
-        .map_err(|source| LabioError::Read { source })
+        .map_err(not_read)
         .and_then(|bytes| read_bytes_with(&bytes, strictness))
         .map_err(|source| in_file(path, source))
 }
@@ -288,7 +288,7 @@ fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
 /// The errors of [`read`].
 pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioError> {
     let path = path.as_ref();
-    let bytes = fs::read(path).map_err(|source| in_file(path, LabioError::Read { source }))?;
+    let bytes = fs::read(path).map_err(|source| in_file(path, not_read(source)))?;
     let contents = read_bytes(&bytes).map_err(|source| in_file(path, source))?;
     Ok(contents.records(&Provenance::of_file(path, contents.format, &bytes)))
 }
@@ -337,7 +337,7 @@ fn opened<T>(
     with: impl FnOnce(fs::File) -> Result<T, LabioError>,
 ) -> Result<T, LabioError> {
     fs::File::open(path)
-        .map_err(|source| LabioError::Read { source })
+        .map_err(not_read)
         .and_then(with)
         .map_err(|source| in_file(path, source))
 }

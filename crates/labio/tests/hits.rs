@@ -27,8 +27,8 @@ use labio::hits::{
     find_odd_hits, samples_at_rest,
 };
 use labio::{
-    AddedDamping, AveragedSpectra, BlockSource, Channel, Detrend, FrequencyResponse, LabioError,
-    LineValidity, Provenance, Quantity, Rating, Record, SensorChain, SpectrumAverager, Window,
+    AddedDamping, AveragedSpectra, Channel, Detrend, FrequencyResponse, LabioError, LineValidity,
+    Provenance, Quantity, Rating, Record, SensorChain, SpectrumAverager, Window,
 };
 use ndarray::Array2;
 use num_complex::Complex64;

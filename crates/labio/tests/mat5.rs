@@ -6,7 +6,7 @@ use labio::format::{Reader, Strictness};
 use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis};
 use num_complex::Complex64;
 
-use crate::series::{axis, bare, contents_of, pair, refusals, written};
+use crate::series::{axis, bare, bits, contents_of, pair, refusals, written};
 
 // fixtures/reference/mat5/make.py
 pub(crate) const PLAIN: &[u8] = include_bytes!("../../../fixtures/reference/mat5/plain.mat");
@@ -298,7 +298,6 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     let Ordinate::Real(values) = &back.series[0].ordinate else {
         unreachable!("{:?}", back.series[0]);
     };
-    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(values), bits(&forces));
     // two series with the same name, and a property whose name is already that of a unit
     contents.series[1].name = "end A".to_owned();

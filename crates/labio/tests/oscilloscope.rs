@@ -1,10 +1,10 @@
 //! Traces of oscilloscopes, compared with the readers of the manufacturers and of others.
 
+use labio::Abscissa;
 use labio::format::oscilloscope::{LeCroy, TektronixIsf, TektronixWfm};
 use labio::format::{self, Reader, Strictness};
-use labio::{Abscissa, Ordinate};
 
-use crate::series::refusals;
+use crate::series::{bits, real, refusals, values};
 
 // fixtures/reference/oscilloscope/make.py
 macro_rules! files {
@@ -43,7 +43,7 @@ fn all_samples_are_those_of_the_other_readers_to_the_bit() {
     let mut seen = 0;
     for row in VALUES.lines().skip(1) {
         let cells: Vec<&str> = row.split(',').collect();
-        let [name, trace, start, step, bits] = cells[..] else {
+        let [name, trace, start, step, numbers] = cells[..] else {
             panic!("{row}");
         };
         let contents = format::read_bytes(file(name)).unwrap();
@@ -53,15 +53,11 @@ fn all_samples_are_those_of_the_other_readers_to_the_bit() {
             .iter()
             .find(|one| one.name == trace)
             .unwrap();
-        let Ordinate::Real(values) = &series.ordinate else {
-            panic!("{name}");
-        };
-        let found: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
-        let expected: Vec<u64> = bits
+        let expected: Vec<u64> = numbers
             .split(' ')
-            .map(|bits| u64::from_str_radix(bits, 16).unwrap())
+            .map(|number| u64::from_str_radix(number, 16).unwrap())
             .collect();
-        assert_eq!(found, expected, "{name} {trace}");
+        assert_eq!(bits(values(series)), expected, "{name} {trace}");
         let Abscissa::Even { start: t, step: dt } = series.abscissa else {
             panic!("{name}");
         };
@@ -71,32 +67,17 @@ fn all_samples_are_those_of_the_other_readers_to_the_bit() {
             near(t, start) && near(dt, step),
             "{name} {t} {start} {dt} {step}"
         );
-        assert_eq!(
-            (
-                series.abscissa_axis.unit_text.as_str(),
-                series.ordinate_axis.unit_text.as_str()
-            ),
-            ("s", "V")
-        );
+        assert_eq!(series.abscissa_axis.unit_text, "s");
+        assert_eq!(series.ordinate_axis.unit_text, "V");
         seen += 1;
     }
     assert_eq!(seen, 15);
     let one_byte = &format::read_bytes(file("one_byte.isf")).unwrap().series[0];
-    assert_eq!(
-        (
-            one_byte.name.as_str(),
-            one_byte.ordinate_axis.unit_text.as_str()
-        ),
-        ("Ch2; a", "A")
-    );
+    assert_eq!(one_byte.name, "Ch2; a");
+    assert_eq!(one_byte.ordinate_axis.unit_text, "A");
     // one_byte.isf contains the upper bytes of the counts in two_bytes.isf, in steps of 2 mA
-    let (Ordinate::Real(coarse), Ordinate::Real(fine)) = (
-        &one_byte.ordinate,
-        &format::read_bytes(file("two_bytes.isf")).unwrap().series[0].ordinate,
-    ) else {
-        panic!();
-    };
-    for (a, v) in coarse.iter().zip(fine) {
+    let two_bytes = format::read_bytes(file("two_bytes.isf")).unwrap();
+    for (a, v) in values(one_byte).iter().zip(real(&two_bytes, 0)) {
         let count = (v - 0.25) / 1.5625e-4 - 12.0;
         assert!((a - 2e-3 * (count / 256.0).floor()).abs() < 1e-12);
     }

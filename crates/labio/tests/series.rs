@@ -26,6 +26,10 @@ pub(crate) fn real(contents: &Contents, index: usize) -> &[f64] {
     values(&contents.series[index])
 }
 
+pub(crate) fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
 pub(crate) fn property<'a>(properties: &'a [(String, String)], name: &str) -> Option<&'a str> {
     let found = properties.iter().find(|(key, _)| key == name);
     found.map(|(_, value)| value.as_str())

@@ -4,12 +4,12 @@
 
 use std::io::{Cursor, Write};
 
+use labio::LabioError;
 use labio::format::workbook::Xlsx;
 use labio::format::{self, Reader, Strictness};
-use labio::{Abscissa, LabioError};
 use zip::write::SimpleFileOptions;
 
-use crate::series::real;
+use crate::series::{bits, even, real};
 
 const XML: &str = r#"<?xml version="1.0" encoding="UTF-8" standalone="yes"?>"#;
 
@@ -126,15 +126,8 @@ fn numbers_are_read_to_the_bit_with_names_and_units() {
         ),
         ("Force", "kN")
     );
-    assert_eq!(
-        series.abscissa,
-        Abscissa::Even {
-            start: 0.0,
-            step: 0.25
-        }
-    );
+    assert_eq!(series.abscissa, even(0.0, 0.25));
     assert_eq!(series.abscissa_axis.unit_text, "ms");
-    let bits = |values: &[f64]| -> Vec<u64> { values.iter().map(|v| v.to_bits()).collect() };
     assert_eq!(bits(real(&contents, 0)), bits(&VALUES));
     let has = |value: &str| contents.properties.iter().any(|(_, own)| own == value);
     assert!(has("notes"), "{:?}", contents.properties);

@@ -2,11 +2,11 @@
 //! files that are cut off or changed. The workbooks are written here, byte by byte after [MS-CFB]
 //! and [MS-XLS].
 
+use labio::LabioError;
 use labio::format::workbook::Xls;
 use labio::format::{self, Reader, Strictness};
-use labio::{Abscissa, LabioError};
 
-use crate::series::real;
+use crate::series::{bits, even, real};
 
 const SECTOR: usize = 512;
 
@@ -237,15 +237,8 @@ fn old_workbooks_are_read_to_the_bit() {
         let series = &contents.series[0];
         let unit = series.ordinate_axis.unit_text.as_str();
         assert_eq!((series.name.as_str(), unit), ("Force", "kN"));
-        let even = Abscissa::Even {
-            start: 0.0,
-            step: 0.25,
-        };
-        assert_eq!(
-            (&series.abscissa, series.abscissa_axis.unit_text.as_str()),
-            (&even, "ms")
-        );
-        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(series.abscissa, even(0.0, 0.25));
+        assert_eq!(series.abscissa_axis.unit_text, "ms");
         assert_eq!(bits(real(&contents, 0)), bits(&VALUES));
         let without = ("worksheet without a table of numbers", "notes");
         let property = &contents.properties[0];

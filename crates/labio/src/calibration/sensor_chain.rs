@@ -428,7 +428,6 @@ fn positive(what: &'static str, rating: &Rating) -> Result<(), LabioError> {
 #[serde(deny_unknown_fields)]
 struct SensorChainSheet {
     transducer: Transducer,
-    #[serde(default)]
     gain: Option<Rating>,
     #[serde(default)]
     polarity: Polarity,
@@ -438,13 +437,9 @@ struct SensorChainSheet {
     time_skew: f64,
     #[serde(default)]
     time_skew_uncertainty: f64,
-    #[serde(default)]
     position: Option<Position>,
-    #[serde(default)]
     direction: Option<Direction>,
-    #[serde(default)]
     serial: Option<String>,
-    #[serde(default)]
     calibrated_on: Option<Date>,
 }
 

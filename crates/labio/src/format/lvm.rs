@@ -160,14 +160,6 @@ fn malformed(place: Place, field: &str, found: String, expected: &str) -> LabioE
     error::malformed(FORMAT, place, field, found, expected)
 }
 
-/// Place of a value in the table; `column` is counted from 0, the column of the place from 1.
-fn cell(line: u64, column: usize) -> Place {
-    Place::Cell {
-        line,
-        column: column as u64 + 1,
-    }
-}
-
 /// The columns that contain abscissae.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum XColumns {

@@ -26,7 +26,7 @@ use std::path::Path;
 use ndarray::{Array2, ArrayView1, Axis, ShapeBuilder};
 
 use super::opened;
-use crate::error::{check_count, check_positive, check_samples, too_few_samples};
+use crate::error::{check_count, check_positive, check_samples, not_read, too_few_samples};
 use crate::{Channel, LabioError, Provenance, Record};
 use array::{Array, Values};
 use header::{Element, Header};
@@ -84,9 +84,7 @@ pub fn read(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Record, Labi
 /// - The errors of [`Record::new`] for channels and samples.
 pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, LabioError> {
     let mut bytes = Vec::new();
-    reader
-        .read_to_end(&mut bytes)
-        .map_err(|source| LabioError::Read { source })?;
+    reader.read_to_end(&mut bytes).map_err(not_read)?;
     let array = parse(&bytes)?;
     let what = "rows of the array, one for the times and one per channel";
     check_count(what, array.nrows(), channels.len() + 1)?;

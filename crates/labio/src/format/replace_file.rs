@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process;
 
 use crate::LabioError;
+use crate::error::not_written;
 
 /// Number of names tried before giving up: a name is in use only by another writer of this process
 /// or by a leftover file.
@@ -19,17 +20,16 @@ pub(super) fn replace(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), LabioError>,
 ) -> Result<(), LabioError> {
-    let failed = |source| LabioError::Write { source };
-    let (temporary, file) = create_beside(path).map_err(failed)?;
+    let (temporary, file) = create_beside(path).map_err(not_written)?;
     let mut output = BufWriter::new(file);
     let written = write(&mut output)
         .and_then(|()| {
             output
                 .into_inner()
-                .map_err(|error| failed(error.into_error()))
+                .map_err(|error| not_written(error.into_error()))
         })
-        .and_then(|file| file.sync_all().map_err(failed))
-        .and_then(|()| fs::rename(&temporary, path).map_err(failed));
+        .and_then(|file| file.sync_all().map_err(not_written))
+        .and_then(|()| fs::rename(&temporary, path).map_err(not_written));
     if written.is_err() {
         // the first error is the one to report
         let _ = fs::remove_file(&temporary);

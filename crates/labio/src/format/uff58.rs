@@ -87,7 +87,7 @@ use self::header::{BinaryForm, Header, malformed};
 use self::lines::{Line, Lines, decode};
 use self::surroundings::Surroundings;
 use super::{Reader, Strictness, Writer};
-use crate::error::not_representable;
+use crate::error::{not_representable, not_written};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 
 mod ascii_rows;
@@ -392,7 +392,7 @@ impl Writer for Uff58Writer {
         output
             .write_all(&bytes)
             .and_then(|()| output.flush())
-            .map_err(|source| LabioError::Write { source })
+            .map_err(not_written)
     }
 }
 

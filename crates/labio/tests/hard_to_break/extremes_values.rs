@@ -73,10 +73,9 @@ fn records_and_histories() {
 
 #[test]
 fn windows_filters_and_sheets() {
-    sweep("taper", |x| {
-        Window::TukeyPeriodic { taper: x }
-            .sample(16)
-            .map(|w| w.weights)
+    sweep("taper", |taper| {
+        let window = Window::TukeyPeriodic { taper };
+        Ok(window.sample(16)?.weights)
     });
     sweep("decay rate", |x| AddedDamping::new(x)?.weights(8, 10.0));
     sweep("rate of a decay", |x| AddedDamping::new(1.0)?.weights(8, x));
@@ -86,17 +85,12 @@ fn windows_filters_and_sheets() {
     sweep("duration of a window", |x| {
         AddedDamping::to_end_weight(0.1, x)?.weights(8, 10.0)
     });
+    let gate = |start, end, taper| ForceWindow::new(start, end, taper)?.weights(8, 10.0);
     for sign in [1.0, -1.0] {
-        sweep("start of a gate", |x| {
-            ForceWindow::new(sign * x, 2.0, 0.1)?.weights(8, 10.0)
-        });
-        sweep("end of a gate", |x| {
-            ForceWindow::new(0.0, sign * x, 0.1)?.weights(8, 10.0)
-        });
+        sweep("start of a gate", |x| gate(sign * x, 2.0, 0.1));
+        sweep("end of a gate", |x| gate(0.0, sign * x, 0.1));
     }
-    sweep("taper of a gate", |x| {
-        ForceWindow::new(0.0, 0.5, x)?.weights(8, 10.0)
-    });
+    sweep("taper of a gate", |x| gate(0.0, 0.5, x));
     let mode = |natural_omega, damping_ratio| {
         AddedDamping::new(1.0)?
             .remove_from_mode(DampedMode {
@@ -115,26 +109,16 @@ fn windows_filters_and_sheets() {
         Ok(vec![chain.si_from(0.0), chain.recorded_from(0.0)])
     };
     sweep("sensitivity", |x| chain(x, "fC/N"));
+    let sensor = |unit| SensorChain::of_sensitivity(rating(1.0, unit)).unwrap();
     sweep("gain", |x| {
-        Ok(vec![
-            SensorChain::of_sensitivity(rating(1.0, "mV/N"))?
-                .with_gain(Rating::new(x, "uV/V")?)?
-                .si_from(0.0),
-        ])
+        let chain = sensor("mV/N").with_gain(Rating::new(x, "uV/V")?)?;
+        Ok(vec![chain.si_from(0.0)])
     });
     sweep("offset", |x| {
-        Ok(vec![
-            SensorChain::of_sensitivity(rating(1.0, "V/N"))?
-                .with_offset(x)?
-                .si_from(1.0),
-        ])
+        Ok(vec![sensor("V/N").with_offset(x)?.si_from(1.0)])
     });
     sweep("skew", |x| {
-        Ok(vec![
-            SensorChain::of_sensitivity(rating(1.0, "V/N"))?
-                .with_time_skew(x)?
-                .time_skew(),
-        ])
+        Ok(vec![sensor("V/N").with_time_skew(x)?.time_skew()])
     });
     let bridge = |layout, gauge: f64, volts: f64| -> Made {
         let bridge = StrainBridge::new(layout, Rating::new(gauge, "1")?, Rating::new(volts, "V")?)?;
@@ -146,7 +130,7 @@ fn windows_filters_and_sheets() {
         bridge(BridgeLayout::HalfPoisson { poisson_ratio: x }, 2.0, 5.0)
     });
     let position = |x, standard_uncertainty| {
-        let chain = SensorChain::of_sensitivity(rating(1.0, "V/N"))?.with_position(Position {
+        let chain = sensor("V/N").with_position(Position {
             x,
             standard_uncertainty,
         })?;
@@ -180,11 +164,8 @@ fn windows_filters_and_sheets() {
         Trigger::new("a", x, Extent::Samples(4)).map(|t| vec![t.level()])
     });
     sweep("hysteresis", |x| {
-        Ok(vec![
-            Trigger::new("a", 1.0, Extent::Samples(4))?
-                .with_hysteresis(x)?
-                .level(),
-        ])
+        let trigger = Trigger::new("a", 1.0, Extent::Samples(4))?;
+        Ok(vec![trigger.with_hysteresis(x)?.level()])
     });
     sweep("time of an extent", |x| {
         Ok(vec![Extent::Seconds(x).samples(1e5)? as f64])
@@ -312,20 +293,16 @@ fn responses_from_lines() {
         FrequencyResponse::of_lines(force.clone(), motion.clone(), spacing, vec![value; 9])
     };
     sweep("line spacing", |x| Ok(of(x, Complex64::ONE)?.frequency_hz));
+    let one = || of(1.0, Complex64::ONE).unwrap();
     sweep("coherence", |x| {
-        of(1.0, Complex64::ONE)?
-            .with_coherence(vec![x; 9], 3)
-            .map(|r| r.variance.unwrap())
+        let response = one().with_coherence(vec![x; 9], 3)?;
+        Ok(response.variance.unwrap())
     });
     sweep("variance", |x| {
-        of(1.0, Complex64::ONE)?
-            .with_variance(vec![x; 9])
-            .map(|r| r.variance.unwrap())
+        Ok(one().with_variance(vec![x; 9])?.variance.unwrap())
     });
     sweep("level", |x| {
-        let report = of(1.0, Complex64::ONE)?
-            .with_variance(vec![0.1; 9])?
-            .passivity(x)?;
+        let report = one().with_variance(vec![0.1; 9])?.passivity(x)?;
         Ok(report.standard_error[1..].to_vec())
     });
     for value in HOSTILE {

@@ -45,11 +45,21 @@ fn gauge_record(samples: Vec<f64>, quantity: Quantity) -> Record {
     record_of(samples, 12.5e6, &[("gauge", quantity)])
 }
 
+fn judged(criteria: &Criteria, samples: Vec<f64>, quantity: Quantity) -> Vec<Reason> {
+    let record = gauge_record(samples, quantity);
+    criteria.judge(&record, "gauge", None).unwrap()
+}
+
+fn is_clipped(reasons: &[Reason]) -> bool {
+    let clipped = |reason: &Reason| matches!(reason, Reason::Clipped { .. });
+    reasons.iter().any(clipped)
+}
+
 #[test]
 fn r17_waves_in_a_bar_are_not_judged_as_hits_of_a_hammer() {
     let judged = |criteria: &Criteria, noise: f64, passages: usize, least: f64| {
-        let record = gauge_record(bar_gauge(noise, passages, least), Quantity::Strain);
-        criteria.judge(&record, "gauge", None).unwrap()
+        let samples = bar_gauge(noise, passages, least);
+        judged(criteria, samples, Quantity::Strain)
     };
     for noise in [0.0, 0.2, 1.5] {
         for least in [1.05, 0.3, 0.12] {
@@ -84,8 +94,7 @@ fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
         *sample = sample.clamp(-0.8, 0.8);
     }
     for criteria in [Criteria::bar(), Criteria::bar_pulses()] {
-        let record = gauge_record(samples.clone(), Quantity::Strain);
-        let reasons = criteria.judge(&record, "gauge", None).unwrap();
+        let reasons = judged(&criteria, samples.clone(), Quantity::Strain);
         assert!(
             matches!(reasons.as_slice(), [Reason::Clipped { value, .. }] if value.abs() == 0.8),
             "{reasons:?}"
@@ -93,8 +102,7 @@ fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
     }
     // an acceleration has no plateau, so equal samples may be clipping
     let quiet: Vec<f64> = bar_gauge(0.0, 2, 1.05);
-    let record = gauge_record(quiet, Quantity::Acceleration);
-    let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
+    let reasons = judged(&Criteria::bar(), quiet, Quantity::Acceleration);
     assert!(
         reasons.is_empty() || matches!(reasons[0], Reason::Clipped { .. }),
         "{reasons:?}"
@@ -114,14 +122,8 @@ fn r17_three_equal_samples_between_noise_are_no_limit() {
         let falling = (1..4000 / slope).map(|k| f64::from(4000 - slope * k));
         samples.extend(falling);
         samples.extend(&rest);
-        let record = gauge_record(samples, Quantity::Strain);
-        let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
-        let clipped = |reason: &Reason| matches!(reason, Reason::Clipped { .. });
-        assert_eq!(
-            reasons.iter().any(clipped),
-            is_limit,
-            "{slope}: {reasons:?}"
-        );
+        let reasons = judged(&Criteria::bar(), samples, Quantity::Strain);
+        assert_eq!(is_clipped(&reasons), is_limit, "{slope}: {reasons:?}");
     }
 }
 
@@ -139,14 +141,10 @@ fn two_equal_samples_of_a_front_are_a_limit() {
         let limit = exact[1002].min(exact[1001]).min(0.96);
         let cut: Vec<f64> = exact.iter().map(|x| x.min(limit)).collect();
         let repeated: Vec<f64> = exact.iter().flat_map(|x| [*x; 2]).collect();
-        let is_clipped = |samples: Vec<f64>| {
-            let record = gauge_record(samples, Quantity::Velocity);
-            let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
-            let clipped = |reason: &Reason| matches!(reason, Reason::Clipped { .. });
-            reasons.iter().any(clipped)
-        };
-        assert!(!is_clipped(exact) && !is_clipped(repeated));
-        clipped += usize::from(is_clipped(cut));
+        let [exact, repeated, cut] = [exact, repeated, cut]
+            .map(|samples| is_clipped(&judged(&Criteria::bar(), samples, Quantity::Velocity)));
+        assert!(!exact && !repeated);
+        clipped += usize::from(cut);
     }
     assert_eq!(clipped, 40);
 }

@@ -108,10 +108,7 @@ pub(super) fn assemble(
     strictness: Strictness,
     contents: &mut Contents,
 ) -> Result<(), LabioError> {
-    let place = Place::Cell {
-        line: table.first_line,
-        column: choice.column.map_or(1, |column| column as u64 + 1),
-    };
+    let place = Place::cell(table.first_line, choice.column.unwrap_or(0));
     let axis = |at: usize| {
         let (label, unit_text) = header.columns.get(at).cloned().unwrap_or_default();
         text::axis(label, unit_text)
@@ -220,10 +217,7 @@ fn other_times(
             None
         }
     })?;
-    let place = Place::Cell {
-        line: table.first_line,
-        column: at as u64 + 1,
-    };
+    let place = Place::cell(table.first_line, at);
     Some(malformed(
         place,
         part,

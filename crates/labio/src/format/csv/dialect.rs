@@ -285,10 +285,7 @@ pub(super) fn text_among_numbers(text: &str) -> Option<LabioError> {
                 continue;
             }
             if let Some((line, at, found)) = &first {
-                let place = Place::Cell {
-                    line: *line,
-                    column: *at as u64 + 1,
-                };
+                let place = Place::cell(*line, *at);
                 best = Some((n_numbers, malformed(place, "cell", found, "a number")));
             }
         }

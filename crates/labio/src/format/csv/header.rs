@@ -33,7 +33,7 @@ impl Header {
     ) -> Result<Self, LabioError> {
         let mut header = Self::default();
         let (mut names, mut units) = (None, None);
-        let all = Shape::n_cells(shape);
+        let all = shape.n_cells;
         for (number, line) in above(text, dialect).filter(|(_, line)| !line.trim().is_empty()) {
             let table: &[usize] = match number >= shape.first_line {
                 true => &shape.columns,

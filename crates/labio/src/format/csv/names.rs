@@ -30,7 +30,7 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     let rows: Vec<Row<'_>> = last
         .into_iter()
         .rev()
-        .map(|(number, line)| (number, cells_of(line, dialect.separator, shape.n_cells())))
+        .map(|(number, line)| (number, cells_of(line, dialect.separator, shape.n_cells)))
         .collect();
     let Some((number, nearest)) = rows.first() else {
         return Ok(());

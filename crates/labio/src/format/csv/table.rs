@@ -19,7 +19,7 @@ const DEFECTS_LISTED: usize = 100;
 pub(super) struct Shape {
     /// Positions of the cells that are columns, from 0.
     pub(super) columns: Vec<usize>,
-    n_cells: usize,
+    pub(super) n_cells: usize,
     /// First line with numbers.
     pub(super) first_line: u64,
 }
@@ -79,10 +79,6 @@ impl Shape {
             n_cells,
             first_line,
         })
-    }
-
-    pub(super) fn n_cells(&self) -> usize {
-        self.n_cells
     }
 }
 
@@ -196,10 +192,7 @@ pub(super) fn read(
             if text.is_empty() {
                 continue; // the column has ended; if not, the gap is found at its next number
             }
-            let place = Place::Cell {
-                line,
-                column: at as u64 + 1,
-            };
+            let place = Place::cell(line, at);
             if values.len() < n_rows {
                 let found = match n_rows - values.len() {
                     1 => "a number below an empty cell".to_owned(),

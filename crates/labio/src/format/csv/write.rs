@@ -6,7 +6,7 @@ use super::abscissa::default_kind;
 use super::abscissa_name::Marker;
 use super::cells::is_number;
 use super::{CsvSeparator, FORMAT, header};
-use crate::error::not_representable;
+use crate::error::{not_representable, not_written};
 use crate::format::kind::{kind_name, kind_of_name};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
@@ -33,7 +33,7 @@ pub(super) fn write(contents: &Contents, output: &mut dyn Write) -> Result<(), L
     let mut put = |buffer: &mut Vec<u8>| {
         let result = output.write_all(buffer);
         buffer.clear();
-        result.map_err(|source| LabioError::Write { source })
+        result.map_err(not_written)
     };
     for row in 0..n_rows {
         #[allow(
@@ -75,7 +75,7 @@ pub(super) fn write(contents: &Contents, output: &mut dyn Write) -> Result<(), L
 
 /// Writes a number with the fewest digits that read back to the same bits.
 fn number(value: f64, to: &mut Vec<u8>) -> Result<(), LabioError> {
-    write!(to, "{value:?}").map_err(|source| LabioError::Write { source })
+    write!(to, "{value:?}").map_err(not_written)
 }
 
 fn check_series(series: &Series, longest: &Series) -> Result<(), LabioError> {

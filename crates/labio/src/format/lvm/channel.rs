@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{XColumns, cell, malformed};
+use super::{XColumns, malformed};
 use crate::format::rounding::{CustomaryRate, Written, WrittenValues, customary_rate};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
@@ -62,7 +62,7 @@ impl Header<'_> {
                 half_unit: text::half_unit(text, self.mark),
             })),
             None => Err(malformed(
-                cell(line, column),
+                Place::cell(line, column),
                 tag,
                 text::quoted(text),
                 "a finite number",
@@ -83,7 +83,12 @@ impl Header<'_> {
         let samples = match self.value("Samples", column) {
             None => None,
             Some((line, text)) => Some(text.parse().map_err(|_| {
-                malformed(cell(line, column), "Samples", text::quoted(text), "a count")
+                malformed(
+                    Place::cell(line, column),
+                    "Samples",
+                    text::quoted(text),
+                    "a count",
+                )
             })?),
         };
         let start = self.number("X0", column)?;

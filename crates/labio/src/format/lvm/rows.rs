@@ -1,7 +1,7 @@
 //! The rows of a segment.
 
 use super::channel::Channel;
-use super::{END_OF_HEADER, END_SPECIAL, START_SPECIAL, Source, XColumns, cell, malformed};
+use super::{END_OF_HEADER, END_SPECIAL, START_SPECIAL, Source, XColumns, malformed};
 use crate::format::Strictness;
 use crate::format::text::{self, DecimalMark};
 use crate::{Contents, LabioError, Place};
@@ -94,7 +94,7 @@ impl Rows {
                 } else if column == 0 && !value.is_empty() {
                     let expected = "an empty cell, as `X_Columns` is `No`";
                     defect(malformed(
-                        cell(line, 0),
+                        Place::cell(line, 0),
                         "X_Value",
                         text::quoted(value),
                         expected,
@@ -110,7 +110,7 @@ impl Rows {
                 let samples = channel.samples.unwrap_or(0);
                 let expected = format!("an empty cell after {samples} samples");
                 defect(malformed(
-                    cell(line, channel.column),
+                    Place::cell(line, channel.column),
                     &channel.label,
                     text::quoted(value),
                     &expected,
@@ -119,7 +119,7 @@ impl Rows {
             }
             let number = text::real(value, self.mark);
             if number.is_none() {
-                let place = cell(line, channel.column);
+                let place = Place::cell(line, channel.column);
                 let found = text::quoted(value);
                 defect(malformed(place, &channel.label, found, "a number"))?;
             }
@@ -131,7 +131,7 @@ impl Rows {
                 if value.is_none() {
                     let found = text::quoted(text);
                     defect(malformed(
-                        cell(line, column),
+                        Place::cell(line, column),
                         "X_Value",
                         found,
                         "a finite number",

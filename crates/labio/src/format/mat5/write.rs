@@ -5,7 +5,7 @@ use std::io::Write;
 
 use super::beside::{BESIDE, OF_WRITER};
 use super::{FORMAT, HEADER_BYTES, MATRIX, Mat5};
-use crate::error::not_representable;
+use crate::error::{not_representable, not_written};
 use crate::format::Writer;
 use crate::format::kind::kind_name;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
@@ -95,9 +95,7 @@ impl Writer for Mat5 {
         for (key, value) in &contents.properties {
             file.extend(text(&names.of(key), value)?);
         }
-        output
-            .write_all(&file)
-            .map_err(|source| LabioError::Write { source })
+        output.write_all(&file).map_err(not_written)
     }
 }
 

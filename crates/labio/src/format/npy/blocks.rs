@@ -9,7 +9,7 @@ use ndarray::Array2;
 use super::header::{Element, Header};
 use super::{FORMAT, check_step, two_axes};
 use crate::error::{
-    check_count, check_enough_samples, check_positive, non_finite_sample, truncated,
+    check_count, check_enough_samples, check_positive, non_finite_sample, not_read, truncated,
 };
 use crate::format::opened;
 use crate::{BlockSource, Channel, LabioError};
@@ -144,15 +144,14 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     fn with_clock(mut source: R, channels: &[Channel], clock: Clock) -> Result<Self, LabioError> {
-        let io = |source| LabioError::Read { source };
-        let length = source.seek(SeekFrom::End(0)).map_err(io)?;
-        source.seek(SeekFrom::Start(0)).map_err(io)?;
+        let length = source.seek(SeekFrom::End(0)).map_err(not_read)?;
+        source.seek(SeekFrom::Start(0)).map_err(not_read)?;
         let mut head = Vec::new();
         source
             .by_ref()
             .take(HEADER_BYTES)
             .read_to_end(&mut head)
-            .map_err(io)?;
+            .map_err(not_read)?;
         let header = Header::read(&head, FORMAT, "")?;
         if header.element != Element::F64 || header.fortran_order {
             let order = if header.fortran_order { "Fortran" } else { "C" };
@@ -208,17 +207,16 @@ impl<R: Read + Seek> Blocks<R> {
         count: usize,
         mut put: impl FnMut(usize, f64) -> Result<(), LabioError>,
     ) -> Result<(), LabioError> {
-        let io = |source| LabioError::Read { source };
         self.source
             .seek(SeekFrom::Start(self.data_start + 8 * index))
-            .map_err(io)?;
+            .map_err(not_read)?;
         let mut done = 0;
         while done < count {
             let bytes = (count - done).saturating_mul(8).min(BUFFER_BYTES);
             let Some(buffer) = self.buffer.get_mut(..bytes) else {
                 break;
             };
-            self.source.read_exact(buffer).map_err(io)?;
+            self.source.read_exact(buffer).map_err(not_read)?;
             for &number in buffer.as_chunks::<8>().0 {
                 put(done, f64::from_le_bytes(number))?;
                 done += 1;

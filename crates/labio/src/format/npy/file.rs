@@ -5,7 +5,7 @@ use std::io::Write;
 use super::FORMAT;
 use super::array::{self, Array, member_name, usual_element};
 use super::header::{Element, Header, MAGIC};
-use crate::error::not_representable;
+use crate::error::{not_representable, not_written};
 use crate::format::{Reader, Strictness, Writer, text};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind};
 
@@ -134,9 +134,7 @@ impl Writer for Npy {
         }
         let bytes = array::write(&series, &header)
             .ok_or_else(|| cannot_hold(format!("the numbers as {}", header.element)))?;
-        output
-            .write_all(&bytes)
-            .map_err(|source| LabioError::Write { source })
+        output.write_all(&bytes).map_err(not_written)
     }
 }
 

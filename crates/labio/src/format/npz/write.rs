@@ -8,7 +8,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 use super::about::{self, ABOUT, SUFFIXES};
 use super::{FORMAT, Npz};
-use crate::error::not_representable;
+use crate::error::{not_representable, not_written};
 use crate::format::Writer;
 use crate::format::npy::array::{self, member_name};
 use crate::format::npy::file::{header_of, is_bare};
@@ -39,14 +39,10 @@ impl Writer for Npz {
             archive
                 .start_file(format!("{name}.npy"), options)
                 .map_err(failed)?;
-            archive
-                .write_all(&bytes)
-                .map_err(|source| LabioError::Write { source })?;
+            archive.write_all(&bytes).map_err(not_written)?;
         }
         let bytes = archive.finish().map_err(failed)?.into_inner();
-        output
-            .write_all(&bytes)
-            .map_err(|source| LabioError::Write { source })
+        output.write_all(&bytes).map_err(not_written)
     }
 }
 

@@ -244,17 +244,10 @@ fn names(path: &str) -> Option<Vec<String>> {
 fn raw_index(kind: u32, place: Place, bytes: &mut Bytes<'_>) -> Result<RawIndex, LabioError> {
     const FIELD: &str = "raw data index";
     let code = bytes.u32(FIELD)?;
-    let dimension_place = bytes.place();
-    match bytes.u32("array dimension")? {
-        1 => {}
-        other => {
-            return Err(malformed(
-                dimension_place,
-                "array dimension",
-                other.to_string(),
-                "1",
-            ));
-        }
+    let at = bytes.place();
+    let dimension = bytes.u32("array dimension")?;
+    if dimension != 1 {
+        return Err(malformed(at, "array dimension", dimension.to_string(), "1"));
     }
     let n = bytes.u64("number of values")?;
     let unknown_type = || {

@@ -180,17 +180,14 @@ impl Layout {
 
     /// Number of bytes per chunk.
     fn chunk(&self) -> Option<usize> {
-        let sum = |mut sizes: Box<dyn Iterator<Item = Option<usize>> + '_>| {
-            sizes.try_fold(0_usize, |sum, size| sum.checked_add(size?))
-        };
+        let add = |sum: usize, size: Option<usize>| sum.checked_add(size?);
         match self {
-            Self::Runs(runs) => sum(Box::new(runs.iter().map(|run| Some(run.n_bytes)))),
+            Self::Runs(runs) => runs.iter().map(|run| Some(run.n_bytes)).try_fold(0, add),
             Self::Rows { width, .. } => Some(*width),
-            Self::Buffers(buffers) => sum(Box::new(
-                buffers
-                    .iter()
-                    .map(|buffer| buffer.width.checked_mul(buffer.n_rows)),
-            )),
+            Self::Buffers(buffers) => {
+                let mut sizes = buffers.iter().map(|b| b.width.checked_mul(b.n_rows));
+                sizes.try_fold(0, add)
+            }
         }
     }
 
@@ -225,15 +222,13 @@ impl Layout {
         if let Self::Rows { width, samples } = self {
             let rows = raw.take(n_bytes - n_bytes % width, "raw data")?;
             for &(object, offset, sample) in samples {
-                append(
-                    objects,
-                    object,
-                    sample,
+                let column = Column {
                     rows,
                     offset,
-                    *width,
-                    raw.is_big_endian(),
-                )?;
+                    width: *width,
+                    big_endian: raw.is_big_endian(),
+                };
+                append(objects, object, sample, column)?;
             }
         } else {
             while raw.len() > 0 {
@@ -262,22 +257,17 @@ impl Layout {
         match self {
             Self::Runs(runs) => {
                 for run in runs {
-                    let bytes = raw.take(run.n_bytes.min(raw.len()), "raw data")?;
-                    match run.sample {
-                        Some(sample) => append(
-                            objects,
-                            run.object,
-                            sample,
-                            bytes,
-                            0,
-                            sample.size(),
+                    let rows = raw.take(run.n_bytes.min(raw.len()), "raw data")?;
+                    if let Some(sample) = run.sample {
+                        let column = Column {
+                            rows,
+                            offset: 0,
+                            width: sample.size(),
                             big_endian,
-                        )?,
-                        None => {
-                            if let Some(object) = objects.all.get_mut(run.object) {
-                                object.numbers.has_text = true;
-                            }
-                        }
+                        };
+                        append(objects, run.object, sample, column)?;
+                    } else if let Some(object) = objects.all.get_mut(run.object) {
+                        object.numbers.has_text = true;
                     }
                 }
             }
@@ -287,7 +277,13 @@ impl Layout {
                     let n_bytes = buffer.width.saturating_mul(buffer.n_rows);
                     let rows = raw.take(n_bytes.min(raw.len()), "raw data")?;
                     for (object, scaler) in &buffer.scalers {
-                        append_scaler(objects, *object, scaler, rows, buffer.width, big_endian);
+                        let column = Column {
+                            rows,
+                            offset: scaler.byte,
+                            width: buffer.width,
+                            big_endian,
+                        };
+                        append_scaler(objects, *object, scaler, column);
                     }
                 }
             }
@@ -301,10 +297,7 @@ fn append(
     objects: &mut Objects,
     object: usize,
     sample: Sample,
-    rows: &[u8],
-    offset: usize,
-    width: usize,
-    big_endian: bool,
+    column: Column<'_>,
 ) -> Result<(), LabioError> {
     let Some(object) = objects.all.get_mut(object) else {
         return Ok(()); // every slot was pushed when its object was read
@@ -329,27 +322,13 @@ fn append(
     numbers.has_opaque |= matches!(sample, Sample::Opaque(_));
     numbers
         .values
-        .reserve(rows.len() / width.max(1) * sample.n_numbers());
-    decode(
-        sample,
-        rows,
-        offset,
-        width,
-        big_endian,
-        &mut numbers.values,
-        &mut numbers.first_time,
-    );
+        .reserve(column.rows.len() / column.width.max(1) * sample.n_numbers());
+    let first_time = &mut numbers.first_time;
+    column.decode(sample, &mut numbers.values, first_time);
     Ok(())
 }
 
-fn append_scaler(
-    objects: &mut Objects,
-    object: usize,
-    scaler: &Scaler,
-    rows: &[u8],
-    width: usize,
-    big_endian: bool,
-) {
+fn append_scaler(objects: &mut Objects, object: usize, scaler: &Scaler, column: Column<'_>) {
     let Some(object) = objects.all.get_mut(object) else {
         return; // every slot was pushed when its object was read
     };
@@ -358,56 +337,56 @@ fn append_scaler(
     let values = numbers.of_scale(scaler.scale);
     match scaler.bit {
         Some(bit) => {
-            let bytes = gathered(rows, scaler.byte, width, 1);
+            let bytes = column.gathered(1);
             values.extend(bytes.iter().map(|byte| f64::from(byte >> bit & 1)));
         }
-        None => decode(
-            scaler.sample,
-            rows,
-            scaler.byte,
-            width,
-            big_endian,
-            values,
-            &mut first_time,
-        ),
+        None => column.decode(scaler.sample, values, &mut first_time),
     }
     numbers.first_time = first_time;
 }
 
-/// Returns the `n` bytes at `offset` of each whole row.
-fn gathered(rows: &[u8], offset: usize, width: usize, n: usize) -> Cow<'_, [u8]> {
-    let (rows, _) = rows.split_at(rows.len() - rows.len() % width.max(1));
-    if width == n {
-        return Cow::Borrowed(rows);
-    }
-    let rows = rows.chunks_exact(width.max(1));
-    let parts = rows.filter_map(|row| row.get(offset..offset.checked_add(n)?));
-    Cow::Owned(parts.flatten().copied().collect())
-}
-
-/// Appends the numbers at `offset` of each whole row as doubles: exactly, except for 64-bit
-/// integers, which are rounded to 53 bits.
-fn decode(
-    sample: Sample,
-    rows: &[u8],
+/// A part of each of several rows of bytes.
+#[derive(Clone, Copy)]
+struct Column<'a> {
+    rows: &'a [u8],
+    /// First byte within a row.
     offset: usize,
+    /// Number of bytes of a row.
     width: usize,
     big_endian: bool,
-    values: &mut Vec<f64>,
-    first_time: &mut Option<Timestamp>,
-) {
-    let bytes = gathered(rows, offset, width, sample.size());
-    match sample {
-        Sample::Number(kind) => kind.append(&bytes, big_endian, values),
-        Sample::Complex32 => NumberType::F32.append(&bytes, big_endian, values),
-        Sample::Complex64 => NumberType::F64.append(&bytes, big_endian, values),
-        Sample::Boolean => values.extend(bytes.iter().map(|&byte| f64::from(u8::from(byte != 0)))),
-        Sample::Timestamp => {
-            let mut bytes = Bytes::new(&bytes, 0, big_endian);
-            while let Ok(time) = Timestamp::read(&mut bytes, "time") {
-                values.push(time.since(*first_time.get_or_insert(time)));
-            }
+}
+
+impl<'a> Column<'a> {
+    /// Returns the `n` bytes at `offset` of each whole row.
+    fn gathered(self, n: usize) -> Cow<'a, [u8]> {
+        let width = self.width.max(1);
+        let (rows, _) = self.rows.split_at(self.rows.len() / width * width);
+        if self.width == n {
+            return Cow::Borrowed(rows);
         }
-        Sample::Opaque(_) => {}
+        let part = |row: &'a [u8]| row.get(self.offset..self.offset.checked_add(n)?);
+        let parts = rows.chunks_exact(width).filter_map(part);
+        Cow::Owned(parts.flatten().copied().collect())
+    }
+
+    /// Appends the numbers at `offset` of each whole row as doubles: exactly, except for 64-bit
+    /// integers, which are rounded to 53 bits.
+    fn decode(self, sample: Sample, values: &mut Vec<f64>, first_time: &mut Option<Timestamp>) {
+        let (bytes, big_endian) = (self.gathered(sample.size()), self.big_endian);
+        match sample {
+            Sample::Number(kind) => kind.append(&bytes, big_endian, values),
+            Sample::Complex32 => NumberType::F32.append(&bytes, big_endian, values),
+            Sample::Complex64 => NumberType::F64.append(&bytes, big_endian, values),
+            Sample::Boolean => {
+                values.extend(bytes.iter().map(|&byte| f64::from(u8::from(byte != 0))));
+            }
+            Sample::Timestamp => {
+                let mut bytes = Bytes::new(&bytes, 0, big_endian);
+                while let Ok(time) = Timestamp::read(&mut bytes, "time") {
+                    values.push(time.since(*first_time.get_or_insert(time)));
+                }
+            }
+            Sample::Opaque(_) => {}
+        }
     }
 }

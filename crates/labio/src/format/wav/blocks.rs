@@ -8,7 +8,7 @@ use ndarray::Array2;
 
 use super::FORMAT;
 use super::layout::Layout;
-use crate::error::{check_count, check_positive, non_finite_sample, truncated};
+use crate::error::{check_count, check_positive, non_finite_sample, not_read, truncated};
 use crate::format::{Strictness, opened};
 use crate::{BlockSource, Channel, LabioError};
 
@@ -95,7 +95,7 @@ impl<R: Read + Seek> Blocks<R> {
         crate::channel::check_distinct(channels)?;
         source
             .seek(SeekFrom::Start(layout.data_start))
-            .map_err(|source| LabioError::Read { source })?;
+            .map_err(not_read)?;
         let frame = layout.frame_bytes();
         Ok(Self {
             source,

@@ -3,7 +3,7 @@
 use std::io::{Read, Seek, SeekFrom};
 
 use super::{FORMAT, WavEncoding};
-use crate::error::{self, truncated};
+use crate::error::{self, not_read, truncated};
 use crate::format::{Strictness, text};
 use crate::{LabioError, Place};
 
@@ -122,10 +122,6 @@ fn malformed(byte: u64, field: &str, found: &str, expected: &str) -> LabioError 
     error::malformed(FORMAT, Place::Byte(byte), field, found, expected)
 }
 
-fn io(source: std::io::Error) -> LabioError {
-    LabioError::Read { source }
-}
-
 struct Chunk {
     id: [u8; 4],
     /// Offset of the first byte of the body.
@@ -149,7 +145,7 @@ struct Chunks<'a, R> {
 
 impl<'a, R: Read + Seek> Chunks<'a, R> {
     fn new(source: &'a mut R) -> Result<Self, LabioError> {
-        let file_length = source.seek(SeekFrom::End(0)).map_err(io)?;
+        let file_length = source.seek(SeekFrom::End(0)).map_err(not_read)?;
         let mut chunks = Self {
             source,
             next: 12,
@@ -219,20 +215,22 @@ impl<'a, R: Read + Seek> Chunks<'a, R> {
             return Err(truncated(FORMAT, missing));
         }
         let mut bytes = [0; N];
-        self.source.seek(SeekFrom::Start(at)).map_err(io)?;
-        self.source.read_exact(&mut bytes).map_err(io)?;
+        self.source.seek(SeekFrom::Start(at)).map_err(not_read)?;
+        self.source.read_exact(&mut bytes).map_err(not_read)?;
         Ok(bytes)
     }
 
     /// Reads the first `length` bytes of the body; the caller ensures that they exist and are few.
     fn body(&mut self, chunk: &Chunk, length: u64) -> Result<Vec<u8>, LabioError> {
         let mut bytes = Vec::new();
-        self.source.seek(SeekFrom::Start(chunk.start)).map_err(io)?;
+        self.source
+            .seek(SeekFrom::Start(chunk.start))
+            .map_err(not_read)?;
         self.source
             .by_ref()
             .take(length)
             .read_to_end(&mut bytes)
-            .map_err(io)?;
+            .map_err(not_read)?;
         Ok(bytes)
     }
 

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::{FORMAT, Wav, WavEncoding, channels_comment, default_channels};
-use crate::error::not_representable;
+use crate::error::{not_representable, not_written};
 use crate::format::Writer;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
@@ -89,11 +89,7 @@ fn write(
 ) -> Result<(), LabioError> {
     let checked = check(encoding, contents)?;
     let header = header(encoding, &checked)?;
-    let mut put = |bytes: &[u8]| {
-        output
-            .write_all(bytes)
-            .map_err(|source| LabioError::Write { source })
-    };
+    let mut put = |bytes: &[u8]| output.write_all(bytes).map_err(not_written);
     put(&header)?;
     // a few thousand frames at a time, so that a slow output is not called for every sample
     let mut buffer = Vec::new();
