@@ -162,7 +162,7 @@ fn inner<'a>(
     result.or_else(|error| reading.pass_over(error, element.at))
 }
 
-/// Reads the head of an array; `None` for an opaque object, which has no shape.
+/// Returns the error for a name that is too long.
 fn long_name(at: u64, field: &str, name: &str) -> LabioError {
     let found = format!("{} bytes", name.len());
     malformed(
@@ -173,6 +173,7 @@ fn long_name(at: u64, field: &str, name: &str) -> LabioError {
     )
 }
 
+/// Reads the head of an array; `None` for an opaque object, which has no shape.
 fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
     let field = "flags of an array";
     let flags = cursor.expect(field)?;
