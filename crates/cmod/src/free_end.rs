@@ -42,9 +42,9 @@ use rodwave::numerics::Jet;
 
 use crate::branch::FreeEndRoot;
 use crate::error::{CmodError, check_not_negative};
-use crate::estimate::{ErrorSource, Method, ModulusEstimate};
+use crate::estimate::{ErrorSource, Method};
 use crate::multi_point::Quantity;
-use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
+use crate::section_ratio::{Changed, RodOfRatio, SectionRatio, Settings};
 
 /// Relative difference up to which d₁ = 2d₂ counts as fulfilled: it covers the rounding of
 /// distances in metres.
@@ -140,35 +140,26 @@ impl FreeEnd {
         })
     }
 
-    /// Returns the complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section to the second,
-    /// at the increasing frequencies `frequency_hz` \[Hz\]. All three arrays have one entry per
-    /// line.
-    ///
-    /// `variance` is E|δΨ|², of real and imaginary part together, for an error without preferred
-    /// phase, as computed by [`RatioOfSpectra`](crate::RatioOfSpectra); 0 stands for data without
-    /// noise. The result has, to first order,
-    ///
-    /// ```text
-    /// E|δγ|² = E|δΨ|²/|g'(γ)|² ,    δE = -2E δγ/γ
-    /// ```
-    ///
-    /// with g(γ) = Ψ; for strains with d₁ = 2d₂, g' = 2d₂ sinh γd₂.
-    ///
-    /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A bad line does not affect
-    /// the others: it is [refused](ModulusEstimate::refused).
-    pub fn estimate(
-        &self,
-        frequency_hz: &[f64],
-        ratio: &[Complex64],
-        variance: &[f64],
-    ) -> Result<ModulusEstimate, CmodError> {
-        self.estimate_ratio(&RatioLines::of_known_variance(
-            frequency_hz,
-            ratio,
-            variance,
-        ))
+    estimate! {
+        /// Returns the complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section to the
+        /// second, at the increasing frequencies `frequency_hz` \[Hz\]. All three arrays have one
+        /// entry per line.
+        ///
+        /// `variance` is E|δΨ|², of real and imaginary part together, for an error without
+        /// preferred phase, as computed by [`RatioOfSpectra`](crate::RatioOfSpectra); 0 stands for
+        /// data without noise. The result has, to first order,
+        ///
+        /// ```text
+        /// E|δγ|² = E|δΨ|²/|g'(γ)|² ,    δE = -2E δγ/γ
+        /// ```
+        ///
+        /// with g(γ) = Ψ; for strains with d₁ = 2d₂, g' = 2d₂ sinh γd₂.
+        ///
+        /// # Errors
+        /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+        /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A bad line does not
+        /// affect the others: it is [refused](crate::ModulusEstimate::refused).
+        ratio
     }
 
     /// Returns û or ε̂ of a section divided by û(0), including the factors iω and -γ that are not

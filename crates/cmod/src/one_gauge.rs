@@ -31,11 +31,11 @@ use num_complex::Complex64;
 use rodwave::numerics::Jet;
 
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{ErrorSource, Method, ModulusEstimate};
+use crate::estimate::{ErrorSource, Method};
 use crate::free_end::{EndSection, RodWithFreeEnd};
 use crate::multi_point::Quantity;
 use crate::pulses::nearest_logarithm;
-use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
+use crate::section_ratio::{Changed, RodOfRatio, SectionRatio, Settings};
 
 /// Method for the modulus from the incident and the reflected pulse at one section.
 ///
@@ -82,27 +82,18 @@ impl OneGauge {
         })
     }
 
-    /// Returns the complex modulus from the `ratio` H of the reflected to the incident pulse and
-    /// its `variance` E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays
-    /// have one entry per line.
-    ///
-    /// Both spectra must have the same origin of time, whatever their windows are.
-    ///
-    /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is not an
-    /// error: it is [refused](ModulusEstimate::refused).
-    pub fn estimate(
-        &self,
-        frequency_hz: &[f64],
-        ratio: &[Complex64],
-        variance: &[f64],
-    ) -> Result<ModulusEstimate, CmodError> {
-        self.estimate_ratio(&RatioLines::of_known_variance(
-            frequency_hz,
-            ratio,
-            variance,
-        ))
+    estimate! {
+        /// Returns the complex modulus from the `ratio` H of the reflected to the incident pulse
+        /// and its `variance` E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All
+        /// arrays have one entry per line.
+        ///
+        /// Both spectra must have the same origin of time, whatever their windows are.
+        ///
+        /// # Errors
+        /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+        /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is not
+        /// an error: it is [refused](crate::ModulusEstimate::refused).
+        ratio
     }
 
     /// Returns the reflection coefficient of the quantity at a free end without mass.

@@ -34,8 +34,8 @@ use num_complex::Complex64;
 use rodwave::numerics::Jet;
 
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{ErrorSource, Method, ModulusEstimate};
-use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
+use crate::estimate::{ErrorSource, Method};
+use crate::section_ratio::{Changed, RodOfRatio, SectionRatio, Settings};
 
 /// Round rod with two sections that a pulse passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,25 +89,16 @@ impl SeparatePulses {
         })
     }
 
-    /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁ and its `variance` E|δH|², at the
-    /// increasing frequencies `frequency_hz` \[Hz\]. The pulse passes section 2 after section 1.
-    /// All arrays have one entry per line.
-    ///
-    /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is not an
-    /// error: it is [refused](ModulusEstimate::refused).
-    pub fn estimate(
-        &self,
-        frequency_hz: &[f64],
-        ratio: &[Complex64],
-        variance: &[f64],
-    ) -> Result<ModulusEstimate, CmodError> {
-        self.estimate_ratio(&RatioLines::of_known_variance(
-            frequency_hz,
-            ratio,
-            variance,
-        ))
+    estimate! {
+        /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁ and its `variance` E|δH|², at
+        /// the increasing frequencies `frequency_hz` \[Hz\]. The pulse passes section 2 after
+        /// section 1. All arrays have one entry per line.
+        ///
+        /// # Errors
+        /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+        /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is not
+        /// an error: it is [refused](crate::ModulusEstimate::refused).
+        ratio
     }
 }
 

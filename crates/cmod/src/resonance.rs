@@ -84,34 +84,25 @@ impl Resonances {
         })
     }
 
-    /// Returns the complex modulus at the resonances within the band, from the `acceleration_ratio`
-    /// Ψ = â₁/â₂ of the driven to the free end and its `variance` E|δΨ|², at the increasing
-    /// frequencies `frequency_hz` \[Hz\].
-    ///
-    /// Each resonance is a line of the result, at the frequency of the resonance and with the index
-    /// of the measured line that follows it. At least seven measured lines must be within 0.3 rad
-    /// of the resonance in kL; otherwise the resonance is refused as
-    /// [`Refusal::FewLinesAtResonance`]. The error of the polynomial at the resonance, from the
-    /// variances of its lines, is propagated as in the two-point method:
-    ///
-    /// ```text
-    /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
-    /// ```
-    ///
-    /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`].
-    pub fn estimate(
-        &self,
-        frequency_hz: &[f64],
-        acceleration_ratio: &[Complex64],
-        variance: &[f64],
-    ) -> Result<ModulusEstimate, CmodError> {
-        self.estimate_ratio(&RatioLines::of_known_variance(
-            frequency_hz,
-            acceleration_ratio,
-            variance,
-        ))
+    estimate! {
+        /// Returns the complex modulus at the resonances within the band, from the
+        /// `acceleration_ratio` Ψ = â₁/â₂ of the driven to the free end and its `variance` E|δΨ|²,
+        /// at the increasing frequencies `frequency_hz` \[Hz\].
+        ///
+        /// Each resonance is a line of the result, at the frequency of the resonance and with the
+        /// index of the measured line that follows it. At least seven measured lines must be within
+        /// 0.3 rad of the resonance in kL; otherwise the resonance is refused as
+        /// [`Refusal::FewLinesAtResonance`]. The error of the polynomial at the resonance, from the
+        /// variances of its lines, is propagated as in the two-point method:
+        ///
+        /// ```text
+        /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
+        /// ```
+        ///
+        /// # Errors
+        /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+        /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`].
+        acceleration_ratio
     }
 
     /// Returns the method for the ratio of the accelerations of the two ends. The distance of the

@@ -1,4 +1,4 @@
-//! Setters shared by several methods.
+//! Setters and an estimate shared by several methods.
 
 /// Writes the setters of the named settings of a method, which stores them in its field `settings`.
 macro_rules! setters {
@@ -78,6 +78,23 @@ macro_rules! setters {
         ) -> Result<Self, $crate::CmodError> {
             self.settings.limits = limits.check()?;
             Ok(self)
+        }
+    };
+}
+
+/// Writes the method `estimate` of a [`RatioMethod`](crate::RatioMethod) from a ratio of known
+/// variance, with its documentation and the name of the ratio.
+macro_rules! estimate {
+    ($(#[$doc:meta])+ $ratio:ident) => {
+        $(#[$doc])+
+        pub fn estimate(
+            &self,
+            frequency_hz: &[f64],
+            $ratio: &[num_complex::Complex64],
+            variance: &[f64],
+        ) -> Result<$crate::ModulusEstimate, $crate::CmodError> {
+            let lines = $crate::section_ratio::RatioLines::of_known_variance;
+            $crate::RatioMethod::estimate_ratio(self, &lines(frequency_hz, $ratio, variance))
         }
     };
 }

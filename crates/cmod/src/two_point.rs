@@ -151,39 +151,32 @@ impl TwoPoint {
         Ok(self)
     }
 
-    /// Returns the complex modulus from the `acceleration_ratio` Ψ = â₁/â₂ of the impacted to the
-    /// free end, at the increasing frequencies `frequency_hz` \[Hz\].
-    ///
-    /// `variance` is the known E|δΨ|², of real and imaginary part together, for an error without
-    /// preferred phase; 0 means data without noise. For a variance from the coherence of a few
-    /// hits, use [`TwoPoint::estimate_averaged`]. To first order the errors of the result are
-    ///
-    /// ```text
-    /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
-    /// dμ/μ = dm/m - dρ/ρ - dL/L - 2 dD/D .
-    /// ```
-    ///
-    /// They are large near kL = nπ, where f' is small, and for kL → 0. If the second order in dΨ is
-    /// not negligible, the line is marked as [near to a singular line](Violation::NearSingular).
-    ///
-    /// All three arrays have one entry per line. The lines must be dense enough to count the half
-    /// waves in the specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not finite
-    /// are [refused](ModulusEstimate::refused) individually.
-    ///
-    /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
-    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`].
-    pub fn estimate(
-        &self,
-        frequency_hz: &[f64],
-        acceleration_ratio: &[Complex64],
-        variance: &[f64],
-    ) -> Result<ModulusEstimate, CmodError> {
-        self.estimate_ratio(&RatioLines::of_known_variance(
-            frequency_hz,
-            acceleration_ratio,
-            variance,
-        ))
+    estimate! {
+        /// Returns the complex modulus from the `acceleration_ratio` Ψ = â₁/â₂ of the impacted to
+        /// the free end, at the increasing frequencies `frequency_hz` \[Hz\].
+        ///
+        /// `variance` is the known E|δΨ|², of real and imaginary part together, for an error
+        /// without preferred phase; 0 means data without noise. For a variance from the coherence
+        /// of a few hits, use [`TwoPoint::estimate_averaged`]. To first order the errors of the
+        /// result are
+        ///
+        /// ```text
+        /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
+        /// dμ/μ = dm/m - dρ/ρ - dL/L - 2 dD/D .
+        /// ```
+        ///
+        /// They are large near kL = nπ, where f' is small, and for kL → 0. If the second order in
+        /// dΨ is not negligible, the line is marked as [near to a singular
+        /// line](Violation::NearSingular).
+        ///
+        /// All three arrays have one entry per line. The lines must be dense enough to count the
+        /// half waves in the specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not
+        /// finite are [refused](ModulusEstimate::refused) individually.
+        ///
+        /// # Errors
+        /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+        /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`].
+        acceleration_ratio
     }
 
     /// Returns the complex modulus from spectra averaged over several hits: the variance follows
