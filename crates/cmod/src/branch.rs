@@ -155,15 +155,22 @@ impl FreeEndRoot {
     }
 
     /// Returns the root nearest to `expected` among ±γL + 2πi m.
-    fn nearest_to(&self, expected: Complex64) -> Complex64 {
+    pub(crate) fn nearest_to(&self, expected: Complex64) -> Complex64 {
+        let [nearest, _] = self.nearest_roots(expected);
+        nearest
+    }
+
+    /// Returns the roots nearest to `expected` among γL + 2πi m and among -γL + 2πi m, the nearer
+    /// of the two first.
+    fn nearest_roots(&self, expected: Complex64) -> [Complex64; 2] {
         let near = |root: Complex64| {
             root + Complex64::new(0.0, TAU * ((expected.im - root.im) / TAU).round())
         };
         let (decaying, growing) = (near(self.principal()), near(-self.principal()));
         if (decaying - expected).norm_sqr() <= (growing - expected).norm_sqr() {
-            decaying
+            [decaying, growing]
         } else {
-            growing
+            [growing, decaying]
         }
     }
 

@@ -35,8 +35,6 @@ mod rod;
 pub(crate) use rod::FreeEndShape;
 pub use rod::RodWithFreeEnd;
 
-use std::f64::consts::{PI, TAU};
-
 use num_complex::Complex64;
 use rodwave::numerics::Jet;
 
@@ -241,31 +239,10 @@ impl SectionRatio for FreeEnd {
         } else {
             (second.distance == 0.0).then_some((ratio, first.distance))
         }?;
-        let root = nearest_inverse_cosh(cosh, expected * distance);
+        let root = FreeEndRoot::of(cosh).nearest_to(expected * distance);
         // γ and -γ are equivalent roots; the root of the forward wave is chosen
         let root = if root.im < 0.0 { -root } else { root };
         Some(root / distance)
-    }
-}
-
-/// Returns the root nearest to `expected` among the roots ±x + 2πi m of cosh x = Ψ.
-fn nearest_inverse_cosh(ratio: Complex64, expected: Complex64) -> Complex64 {
-    let root = FreeEndRoot::of(ratio);
-    let quadrant_phase = if ratio.re >= 0.0 {
-        root.angle()
-    } else {
-        PI - root.angle()
-    };
-    let principal = Complex64::new(root.damping_length(), quadrant_phase.copysign(ratio.im));
-    let candidate = |root: Complex64| {
-        let turns = ((expected.im - root.im) / TAU).round();
-        root + Complex64::new(0.0, turns * TAU)
-    };
-    let (decaying, growing) = (candidate(principal), candidate(-principal));
-    if (decaying - expected).norm() <= (growing - expected).norm() {
-        decaying
-    } else {
-        growing
     }
 }
 
@@ -318,35 +295,5 @@ mod tests {
             "mass on the free end [kg] is NaN, expected a finite value, 0 or above"
         );
         assert!(FreeEnd::new(ROD, strain(0.5), section(0.5, Quantity::Velocity)).is_ok());
-    }
-
-    /// Compares the closed form with the γ from which the ratio was computed, on every branch.
-    #[test]
-    fn closed_form_solves_the_equation_on_every_branch() {
-        let pairs = [
-            (
-                section(0.5, Quantity::Strain),
-                section(0.25, Quantity::Strain),
-            ),
-            (
-                section(0.8, Quantity::Velocity),
-                section(0.0, Quantity::Velocity),
-            ),
-        ];
-        for (first, second) in pairs {
-            let method = FreeEnd::new(ROD, first, second).unwrap();
-            for j in 1..60 {
-                let gamma = Complex64::new(0.2, 0.71 * f64::from(j));
-                let [upper, lower] = method.jets(gamma, 1.0);
-                let ratio = (upper / lower).value;
-                let near = gamma + Complex64::new(0.02, 0.1);
-                let root = method.closed_form(ratio, near).unwrap();
-                // |sinh γd| >= 0.05: one or two digits are lost to rounding.
-                assert!(
-                    (root - gamma).norm() < 1e-12 * gamma.norm(),
-                    "{gamma}: {root}"
-                );
-            }
-        }
     }
 }

@@ -77,17 +77,7 @@ impl PhaseObservation for FreeEnd {
     }
 
     fn nearest_roots(&self, observed: Complex64, expected: Complex64) -> Option<[Complex64; 2]> {
-        let root = FreeEndRoot::of(observed).principal();
-        let near = |root: Complex64| {
-            root + Complex64::new(0.0, TAU * ((expected.im - root.im) / TAU).round())
-        };
-        let (decaying, growing) = (near(root), near(-root));
-        let closer = (decaying - expected).norm_sqr() <= (growing - expected).norm_sqr();
-        Some(if closer {
-            [decaying, growing]
-        } else {
-            [growing, decaying]
-        })
+        Some(FreeEndRoot::of(observed).nearest_roots(expected))
     }
 }
 
