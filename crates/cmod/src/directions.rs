@@ -2,6 +2,8 @@
 
 use faer::Mat;
 
+use crate::vectors::{dot, length};
+
 /// Singular values and right vectors of a Jacobian, J = U S Vᵀ.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Directions {
@@ -62,13 +64,11 @@ impl Directions {
     /// Returns gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, if g and h have a component along an
     /// undetermined direction.
     pub(crate) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
-        let along = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-        let length = |gradient: &[f64]| along(gradient, gradient).sqrt();
         self.singular_values
             .iter()
             .zip(&self.vectors)
             .map(|(s, vector)| {
-                let (a, b) = (along(g, vector), along(h, vector));
+                let (a, b) = (dot(g, vector), dot(h, vector));
                 if *s > 0.0 {
                     a * b / (s * s)
                 } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {

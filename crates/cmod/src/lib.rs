@@ -156,6 +156,7 @@ pub mod self_calibration;
 pub mod two_point;
 mod uncertainty;
 pub mod validity;
+mod vectors;
 
 pub use error::CmodError;
 pub use estimate::{ModulusEstimate, ModulusLine};

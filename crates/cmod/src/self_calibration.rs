@@ -53,7 +53,6 @@ pub(crate) mod continuation;
 mod line;
 mod posterior;
 mod smooth;
-pub(crate) mod vectors;
 
 pub use continuation::{lines_per_independent_line, stride_of_independent_lines};
 pub(crate) use line::{LinearisedLine, Misfit, shift_of, sources_of};
@@ -62,9 +61,9 @@ use num_complex::Complex64;
 
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, Refusal, SystematicShift};
+use crate::vectors::length;
 use posterior::Posterior;
 use smooth::Smoothing;
-use vectors::length;
 
 /// Maximum number of rounds; each round consists of a correction and a new estimate.
 const MOST_ROUNDS: usize = 12;

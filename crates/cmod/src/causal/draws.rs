@@ -13,7 +13,7 @@ use rodwave::modulus::MaxwellBranch;
 use super::projection::{Projection, Whitened, share, solved};
 use crate::rheology::non_negative::NonNegative;
 use crate::rheology::symmetric::{factorise, solve};
-use crate::self_calibration::vectors::{dot, subtract};
+use crate::vectors::{dot, subtract};
 
 /// Number of draws; with this number the standard errors scatter by 4 %.
 const DRAWS: u32 = 300;

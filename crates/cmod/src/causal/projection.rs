@@ -5,7 +5,7 @@ use rodwave::modulus::MaxwellBranch;
 use rodwave::numerics::CommonErrors;
 
 use crate::rheology::non_negative::NonNegative;
-use crate::self_calibration::vectors::{dot, subtract, without};
+use crate::vectors::{dot, subtract, without};
 
 /// Relaxation times per decade of the grid. A branch whose relaxation time is between two grid
 /// points is represented by branches at both, with an error of at most 1.7e-4 of its loss modulus

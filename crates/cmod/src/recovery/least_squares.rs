@@ -6,6 +6,7 @@
 //! is 0 and the parameters are not changed.
 
 use crate::directions::Directions;
+use crate::vectors::{dot, subtract};
 
 /// Fraction of the largest singular value below which a singular value counts as rounding.
 const RANK: f64 = 1e-9;
@@ -30,7 +31,7 @@ impl Linearised {
     }
 
     pub(super) fn sum_of_squares(&self) -> f64 {
-        self.residual.iter().map(|r| r * r).sum()
+        dot(&self.residual, &self.residual)
     }
 }
 
@@ -52,9 +53,7 @@ impl Directions {
         {
             if *s > 0.0 {
                 let weight = -s * u / (s * s + damping);
-                for (p, v) in step.iter_mut().zip(vector) {
-                    *p += weight * v;
-                }
+                subtract(&mut step, -weight, vector);
             }
         }
         step

@@ -17,6 +17,7 @@ use super::data::ModulusData;
 use super::fit::ErrorScale;
 use super::least_squares::Linearised;
 use crate::directions::Directions;
+use crate::vectors::{dot, without};
 use rodwave::numerics::CommonErrors;
 
 /// Residual without the part that common errors explain.
@@ -43,8 +44,6 @@ impl Explained {
         information: &Directions,
         scale: ErrorScale,
     ) -> Self {
-        let square = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
-        let mut residual = linearised.residual.clone();
         let sources = if Self::can_explain(data, scale) {
             data.common.len()
         } else {
@@ -57,14 +56,10 @@ impl Explained {
         let is_finite = |column: &Vec<f64>| column.iter().all(|entry| entry.is_finite());
         let columns = columns.into_iter().filter(is_finite).collect();
         let common = CommonErrors::new(columns);
-        let sizes = common.sizes(&residual);
-        for (column, size) in common.vectors().iter().zip(&sizes) {
-            for (rest, shift) in residual.iter_mut().zip(column) {
-                *rest -= size * shift;
-            }
-        }
+        let sizes = common.sizes(&linearised.residual);
+        let residual = without(&linearised.residual, common.vectors(), &sizes);
         Self {
-            chi_squared: square(&residual) + square(&sizes),
+            chi_squared: dot(&residual, &residual) + dot(&sizes, &sizes),
             residual,
         }
     }
@@ -75,7 +70,7 @@ impl Explained {
 fn beside_the_law(shift: &[f64], linearised: &Linearised, information: &Directions) -> Vec<f64> {
     let change = information.change(linearised, shift);
     let rows = linearised.jacobian.chunks_exact(change.len().max(1));
-    let followed = rows.map(|row| row.iter().zip(&change).map(|(a, b)| a * b).sum::<f64>());
+    let followed = rows.map(|row| dot(row, &change));
     shift
         .iter()
         .zip(followed)

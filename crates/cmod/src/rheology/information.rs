@@ -4,6 +4,7 @@ use num_complex::Complex64;
 
 use super::least_squares::Linearised;
 use crate::directions::Directions;
+use crate::vectors::{dot, subtract};
 
 /// Fraction of the largest singular value below which a singular value counts as rounding.
 const RANK: f64 = 1e-10;
@@ -26,14 +27,12 @@ impl Directions {
         let mut gradient = vec![0.0; parameters];
         let rows = linearised.jacobian.chunks_exact(parameters.max(1));
         for (row, value) in rows.zip(whitened) {
-            for (sum, entry) in gradient.iter_mut().zip(row) {
-                *sum += entry * value;
-            }
+            subtract(&mut gradient, -value, row);
         }
         let mut change = vec![0.0; parameters];
         for (s, direction) in self.singular_values.iter().zip(&self.vectors) {
             if *s > 0.0 {
-                let along: f64 = direction.iter().zip(&gradient).map(|(a, b)| a * b).sum();
+                let along = dot(direction, &gradient);
                 for (sum, entry) in change.iter_mut().zip(direction) {
                     *sum += entry * along / (s * s);
                 }

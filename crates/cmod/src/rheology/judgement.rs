@@ -17,6 +17,7 @@ use super::support::Support;
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
 use crate::error::CmodError;
+use crate::vectors::add_square;
 
 /// Correlation above which the linear error of a parameter is unreliable if the other parameter has
 /// a large error.
@@ -375,11 +376,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
 /// Returns C_random + Σ_s g_s g_sᵀ.
 fn with_common(mut covariance: Vec<Vec<f64>>, common: &[CommonShift]) -> Vec<Vec<f64>> {
     for error in common {
-        for (row, own) in covariance.iter_mut().zip(&error.shift) {
-            for (entry, other) in row.iter_mut().zip(&error.shift) {
-                *entry += own * other;
-            }
-        }
+        add_square(&mut covariance, 1.0, &error.shift);
     }
     covariance
 }

@@ -30,6 +30,7 @@ use super::sweep::TemperatureSweep;
 use crate::directions::Directions;
 use crate::error::CmodError;
 use crate::estimate::ErrorSource;
+use crate::vectors::{add_square, subtract};
 
 /// Master curve: one Prony series for all temperatures, with a shift factor for each temperature.
 ///
@@ -467,19 +468,12 @@ fn shifts_of(
         })
         .collect();
     let mut sum = vec![vec![0.0; count]; count];
-    let mut add = |weight: f64, vector: &[f64]| {
-        for (row, own) in sum.iter_mut().zip(vector) {
-            for (entry, other) in row.iter_mut().zip(vector) {
-                *entry += weight * own * other;
-            }
-        }
-    };
     for (weight, at, _) in &shifts {
         let difference: Vec<f64> = at.iter().zip(&mean).map(|(a, m)| a - m).collect();
-        add(*weight, &difference);
+        add_square(&mut sum, *weight, &difference);
     }
     for error in fit.common_errors.iter().filter(|e| counted(e.source)) {
-        add(1.0, &last(&error.shift));
+        add_square(&mut sum, 1.0, &last(&error.shift));
     }
     let order_errors = (0..count)
         .map(|k| {
@@ -492,9 +486,7 @@ fn shifts_of(
     for (weight, _, information) in &shifts {
         let random = information.of_last(count);
         for (row, own) in sum.iter_mut().zip(random) {
-            for (entry, own) in row.iter_mut().zip(own) {
-                *entry += weight * fit.variance_factor * own;
-            }
+            subtract(row, -weight * fit.variance_factor, &own);
         }
     }
     OfShifts {

@@ -3,6 +3,7 @@
 use super::fit::RheologicalFit;
 use super::law::FittedLaw;
 use crate::error::CmodError;
+use crate::vectors::{dot, length, subtract};
 
 /// Part of the error of a law that is independent of all other parts, with the size of one standard
 /// uncertainty.
@@ -97,7 +98,6 @@ impl Held {
                 .map(|(wanted, s)| wanted * s * s / (s * s + factor).max(f64::MIN_POSITIVE))
                 .collect()
         };
-        let length = |change: &[f64]| change.iter().map(|x| x * x).sum::<f64>().sqrt();
         let mut change = held(0.0);
         if length(&change) > reach {
             let largest = signals.iter().fold(0.0_f64, |a, s| a.max(*s)).powi(2);
@@ -154,11 +154,8 @@ impl MeasuredLaw {
             });
         let mut common = Vec::with_capacity(fit.common_errors.len());
         for error in &fit.common_errors {
-            let along = |direction: &[f64]| -> f64 {
-                let pairs = direction.iter().zip(&error.shift);
-                pairs.map(|(a, b)| a * b).sum()
-            };
-            let wanted: Vec<f64> = axes().map(|(_, direction)| along(direction)).collect();
+            let along = |(_, direction): (&f64, &Vec<f64>)| dot(direction, &error.shift);
+            let wanted: Vec<f64> = axes().map(along).collect();
             let held = Held::of(&wanted, &signals);
             if !held.is_enough() {
                 return Err(CmodError::CardUndetermined {
@@ -169,9 +166,7 @@ impl MeasuredLaw {
             }
             let mut shift = vec![0.0; error.shift.len()];
             for (change, direction) in held.change.iter().zip(&fit.directions) {
-                for (sum, part) in shift.iter_mut().zip(direction) {
-                    *sum += change * part;
-                }
+                subtract(&mut shift, -change, direction);
             }
             common.push(LawError {
                 source: error.source.to_string(),
@@ -254,9 +249,7 @@ impl MeasuredLaw {
     pub fn moved(&self, standard: &[f64]) -> Result<FittedLaw, CmodError> {
         let mut changes = vec![0.0; self.coordinates.len()];
         for (error, standard) in self.errors.iter().zip(standard) {
-            for (sum, change) in changes.iter_mut().zip(&error.shift) {
-                *sum += standard * change;
-            }
+            subtract(&mut changes, -standard, &error.shift);
         }
         let each = self.coordinates.iter().zip(&self.is_linear).zip(changes);
         let at: Vec<f64> = each

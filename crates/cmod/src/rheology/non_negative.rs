@@ -2,6 +2,7 @@
 
 use super::count;
 use super::symmetric::{add_products, factorise, solve};
+use crate::vectors::dot;
 
 /// Solves min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least
 /// Squares Problems*, 1974, ch. 23), on AᵀA and Aᵀb as in Bro & de Jong (*J. Chemom.* **11** (1997)
@@ -221,10 +222,6 @@ impl NonNegative {
             .sum();
         self.square - fitted
     }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

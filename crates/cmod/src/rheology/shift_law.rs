@@ -18,6 +18,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::count;
 use super::parameter::{Interval, IntervalMethod};
 use crate::error::{CmodError, check_enough_readings};
+use crate::vectors::dot;
 
 /// Gas constant R [J/(mol K)], exact since 2019 (CODATA 2018).
 pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
@@ -250,7 +251,6 @@ impl Problem<'_> {
         for column in &mut columns {
             self.factor.solve(column);
         }
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let [a, b] = &columns;
         let mixed = dot(a, b);
         Some((
@@ -373,7 +373,7 @@ impl Cholesky {
         for (i, entries) in matrix.iter().enumerate() {
             let mut row: Vec<f64> = Vec::with_capacity(i + 1);
             for j in 0..i {
-                let known: f64 = row.iter().zip(&rows[j]).map(|(a, b)| a * b).sum();
+                let known: f64 = dot(&row, &rows[j]);
                 row.push((entries[j] - known) / rows[j][j]);
             }
             let pivot = entries.get(i)? - row.iter().map(|l| l * l).sum::<f64>();

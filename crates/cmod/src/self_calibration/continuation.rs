@@ -5,12 +5,12 @@ use num_complex::Complex64;
 
 use super::line::LinearisedLine;
 use super::smooth::Smoothing;
-use super::vectors::dot;
 use super::{SelfCalibration, taking_part};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal};
 use crate::validity::{Validity, conditions};
+use crate::vectors::dot;
 
 /// Standard deviation of the largest contribution of a term in the band, relative to the largest
 /// modulus in the band. For a passive material every term is positive, and none exceeds the

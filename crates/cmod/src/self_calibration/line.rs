@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::vectors::{dot, subtract};
 use crate::estimate::{ErrorSource, SystematicShift};
+use crate::vectors::{dot, subtract};
 
 /// Line linearised about a smooth modulus. Its derivatives are independent of the noise.
 /// Derivatives at the modulus of the line itself would be correlated with the noise, and if the

@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use super::LARGEST_TERM;
 use super::line::{LinearisedLine, Misfit, shift_of, sources_of};
 use super::smooth::Smoothing;
-use super::vectors::{dot, length, without};
 use crate::estimate::{ErrorSource, ModulusLine};
+use crate::vectors::{dot, length, without};
 
 /// Minimum ratio of twice the number of lines to the number of unknowns.
 const FEWEST_PER_UNKNOWN: f64 = 3.0;

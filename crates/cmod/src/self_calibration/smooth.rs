@@ -5,9 +5,9 @@ use faer::Mat;
 use num_complex::Complex64;
 
 use super::line::LinearisedLine;
-use super::vectors::{dot, subtract};
 use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::ModulusLine;
+use crate::vectors::{dot, subtract};
 
 /// Ratio of neighbouring relaxation times. With a ratio of 2.5, coefficients of any sign leave a
 /// residual of 1e-4 of a loss that rises by powers of ten; in quiet records this causes a bias of

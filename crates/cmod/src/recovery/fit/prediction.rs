@@ -11,6 +11,7 @@ use super::super::least_squares::Linearised;
 use super::super::test::whiten;
 use super::super::{RecoveryTest, ThreeElementParameters};
 use crate::error::CmodError;
+use crate::vectors::dot;
 
 /// Point in the space of parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,8 +137,7 @@ pub(super) fn reference_stress(tests: &[RecoveryTest]) -> f64 {
 /// Returns the factor f of the whitened `shape` that fits the whitened `data` best, and the
 /// remaining χ².
 pub(super) fn scaled(shape: &[f64], data: &[f64]) -> (f64, f64) {
-    let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let factor = product(shape, data) / product(shape, shape);
+    let factor = dot(shape, data) / dot(shape, shape);
     let left = shape
         .iter()
         .zip(data)

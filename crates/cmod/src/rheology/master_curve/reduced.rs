@@ -7,6 +7,7 @@ use super::super::sweep::TemperatureSweep;
 use super::{MasterCurve, shifts_of};
 use crate::error::CmodError;
 use crate::estimate::ErrorSource;
+use crate::vectors::dot;
 
 /// Half the step of ln ω for the slope of the series.
 const STEP: f64 = 1e-3;
@@ -153,7 +154,7 @@ fn root_of(covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
     for (i, entries) in covariance.iter().enumerate() {
         let mut row: Vec<f64> = Vec::with_capacity(i + 1);
         for (entry, other) in entries.iter().zip(&rows) {
-            let known: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
+            let known: f64 = dot(&row, other);
             let pivot = other.last().copied().unwrap_or(0.0);
             row.push(if pivot > 0.0 {
                 (entry - known) / pivot

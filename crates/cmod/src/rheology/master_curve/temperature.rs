@@ -5,6 +5,7 @@ use super::super::shift_law::{UNBOUNDED, Wlf};
 use super::MasterCurve;
 use crate::error::{CmodError, check_positive};
 use crate::estimate::ErrorSource;
+use crate::vectors::add_square;
 
 /// Name with which the relaxation times of a series begin.
 const TIMES: &str = "relaxation time";
@@ -128,11 +129,7 @@ impl MasterCurve {
             };
         }
         if let Some(covariance) = &mut self.fit.covariance {
-            for (row, own) in covariance.iter_mut().zip(&shift) {
-                for (entry, other) in row.iter_mut().zip(&shift) {
-                    *entry += own * other;
-                }
-            }
+            add_square(covariance, 1.0, &shift);
         }
         self.fit.common_errors.push(CommonShift {
             source: ErrorSource::Temperature,

@@ -7,11 +7,12 @@ use super::super::data::ModulusData;
 use super::super::explained::Explained;
 use super::super::fit::{ErrorScale, FitOptions, Scores};
 use super::super::least_squares::{Effort, Minimum, minimise};
-use super::super::non_negative::{NonNegative, dot};
+use super::super::non_negative::NonNegative;
 use super::super::prony::Prony;
 use super::series::{Series, column, constant, grid, merged, target};
 use super::{HOPELESS, Order};
 use crate::directions::Directions;
+use crate::vectors::dot;
 
 /// Predicted decrease of χ² for which a further branch is added; the criteria require a decrease of
 /// 4 or more.
