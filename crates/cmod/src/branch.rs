@@ -70,10 +70,11 @@ pub(crate) mod wave_speed;
 
 pub use doubt::BranchDoubt;
 pub use observation::{EndMass, FreeEnd, PhaseObservation, Travel};
-pub(crate) use sequence::SpecimenRecord;
+pub(crate) use sequence::resolve_lines;
 pub use sequence::{ResolvedRoot, resolve};
 pub use tracked::{SpeedHypothesis, TrackedBranches, TrackedLine};
-pub use tracker::{BranchTracker, FASTEST_WAVE, LEAST_CONFIDENCE, PhaseRecord, SLOWEST_WAVE};
+pub use tracker::{BranchTracker, FASTEST_WAVE, PhaseRecord, SLOWEST_WAVE};
+pub use verdict::LEAST_CONFIDENCE;
 
 use std::f64::consts::{FRAC_PI_2, LN_2, PI, TAU};
 

@@ -145,7 +145,7 @@ impl CausalEstimate {
                 whitening,
             })
             .collect();
-        enough(values.len())?;
+        check_enough_readings(values.len(), FEWEST_LINES)?;
         let errors = data.common_errors();
         let shifts: Vec<Vec<Complex64>> = errors.iter().map(|error| error.shift.clone()).collect();
         let values = Whitened::new(&values, &shifts, &[]);
@@ -342,11 +342,6 @@ impl CausalEstimate {
     pub fn rounds(&self) -> u32 {
         self.rounds
     }
-}
-
-fn enough(lines: usize) -> Result<(), CmodError> {
-    check_enough_readings(lines, FEWEST_LINES)?;
-    Ok(())
 }
 
 /// Returns the sums of the products of the real and imaginary parts of `first` (rows) with those of

@@ -139,6 +139,13 @@ impl CheckOutcome {
         Self { worst, ..self }
     }
 
+    fn undecided_if(mut self, is_open: bool) -> Self {
+        if is_open {
+            self.verdict = CheckVerdict::Undecided;
+        }
+        self
+    }
+
     /// Returns true if the record, or the modulus, violates the condition.
     #[must_use]
     pub fn has_failed(&self) -> bool {

@@ -430,20 +430,16 @@ impl Corrected {
         shifts: Vec<SystematicShift>,
         acceptance: &Acceptance,
     ) -> Option<ModulusLine> {
-        let Uncertainty {
-            random,
-            systematic,
-            degrees_of_freedom,
-            own_degrees_of_freedom,
-        } = line.uncertainty.clone();
+        let known = &line.uncertainty;
         let random = LineCovariance {
-            modulus: random.modulus.through(self.factor),
-            ..random
+            modulus: known.random.modulus.through(self.factor),
+            ..known.random
         };
-        let mut systematic: Vec<SystematicShift> = systematic
-            .into_iter()
+        let mut systematic: Vec<SystematicShift> = known
+            .systematic
+            .iter()
             .filter(|shift| shift.source != ErrorSource::LateralInertia)
-            .map(|shift| self.through(shift, line))
+            .map(|shift| self.through(*shift, line))
             .collect();
         for shift in shifts {
             // the error of the diameter in the estimate and in the correction is one error
@@ -455,11 +451,13 @@ impl Corrected {
                 None => systematic.push(shift),
             }
         }
-        let uncertainty = Uncertainty::new(random, systematic, degrees_of_freedom)
-            .with_own_degrees_of_freedom(own_degrees_of_freedom);
         let corrected = ModulusLine {
             modulus: self.modulus,
-            uncertainty,
+            uncertainty: Uncertainty {
+                random,
+                systematic,
+                ..*known
+            },
             error_amplification: line.error_amplification
                 * self.factor.norm()
                 * (line.modulus.norm() / self.modulus.norm()),

@@ -145,6 +145,7 @@ pub mod free_end;
 pub mod free_vibration;
 pub mod hit_trend;
 pub mod lateral_inertia;
+mod median;
 pub mod multi_point;
 pub mod one_gauge;
 pub mod pulses;

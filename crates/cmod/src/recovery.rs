@@ -136,8 +136,7 @@ impl ThreeElement {
 
     /// Returns 1/η = B(m+1)|σ_d|^m [1/(Pa s)] at `dashpot_stress` \[Pa\]: finite at rest, where η
     /// is infinite if m > 0.
-    #[must_use]
-    pub fn differential_fluidity(&self, dashpot_stress: f64) -> f64 {
+    fn differential_fluidity(&self, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
             coefficient,
             exponent,

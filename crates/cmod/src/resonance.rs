@@ -178,10 +178,7 @@ impl Resonances {
                 order,
                 frequency_hz: 0.5 * (before.frequency_hz + after.frequency_hz),
                 index: after.index,
-                doubt: root
-                    .doubt
-                    .filter(|doubt| doubt.is_ambiguous())
-                    .map(Violation::BranchAmbiguous),
+                doubt: root.ambiguity().map(Violation::BranchAmbiguous),
             });
         }
         Ok(found)

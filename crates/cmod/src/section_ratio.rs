@@ -42,7 +42,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use num_complex::Complex64;
 use rodwave::numerics::Jet;
 
-use crate::branch::{BranchDoubt, BranchTracker, ResolvedRoot, SpecimenRecord};
+use crate::branch::{BranchDoubt, ResolvedRoot, resolve_lines};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
@@ -223,20 +223,8 @@ pub(crate) fn branches(
     length: f64,
     mass_ratio: f64,
 ) -> Result<Vec<ResolvedRoot>, CmodError> {
-    if measured.is_empty() {
-        return Ok(Vec::new());
-    }
-    let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
-    let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-    let variance: Vec<f64> = measured.iter().map(MeasuredRatio::whole_variance).collect();
-    let record = SpecimenRecord {
-        length,
-        mass_ratio,
-        frequency_hz: &frequency_hz,
-        acceleration_ratio: &ratio,
-        variance: Some(&variance),
-    };
-    record.resolve(&BranchTracker::new())
+    let line = |line: &MeasuredRatio<'_>| (line.frequency_hz, line.ratio, line.whole_variance());
+    resolve_lines(length, mass_ratio, measured.iter().map(line))
 }
 
 /// Returns the lines that can be evaluated, and adds the other lines to the `estimate` as refused;

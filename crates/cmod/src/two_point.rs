@@ -249,12 +249,7 @@ impl TwoPoint {
         let gamma = gamma_length / length;
 
         violations.extend(conditions(gamma, diameter, length));
-        violations.extend(
-            free_end
-                .doubt
-                .filter(|doubt| doubt.is_ambiguous())
-                .map(Violation::BranchAmbiguous),
-        );
+        violations.extend(free_end.ambiguity().map(Violation::BranchAmbiguous));
         if let Some(mass_ratio) = root.lost_at {
             violations.push(Violation::RootNotFollowed {
                 mass_ratio,

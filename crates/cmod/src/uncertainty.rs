@@ -300,27 +300,6 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    pub(crate) fn new(
-        random: LineCovariance,
-        systematic: Vec<SystematicShift>,
-        degrees_of_freedom: Option<f64>,
-    ) -> Self {
-        Self {
-            random,
-            systematic,
-            degrees_of_freedom,
-            own_degrees_of_freedom: degrees_of_freedom,
-        }
-    }
-
-    /// Sets the degrees of freedom that the line itself contributes.
-    pub(crate) fn with_own_degrees_of_freedom(self, own: Option<f64>) -> Self {
-        Self {
-            own_degrees_of_freedom: own,
-            ..self
-        }
-    }
-
     /// Returns the covariance of one line due to all common errors that have a standard
     /// uncertainty. Lateral inertia that was not removed is not included: it has a
     /// [bound](Self::lateral_inertia_bound) of known sign, which is stated next to the standard

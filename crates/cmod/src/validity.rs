@@ -272,8 +272,7 @@ pub enum Violation {
 impl Violation {
     /// Returns true if only the error of the loss factor exceeds its limit, which does not affect
     /// E'.
-    #[must_use]
-    pub fn is_of_loss_factor(&self) -> bool {
+    fn is_of_loss_factor(&self) -> bool {
         match self {
             Self::LossWithinNoise { .. } => true,
             Self::ErrorTooLarge { quantity, .. }

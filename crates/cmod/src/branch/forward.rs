@@ -11,6 +11,7 @@ use num_complex::Complex64;
 
 use super::anchor::Anchors;
 use super::path::{Passage, Sight, State, WANDER};
+use crate::median::median;
 
 /// Maximum number of half waves in the range of phases in which courses begin; more cannot be
 /// distinguished and would fill the memory.
@@ -418,14 +419,11 @@ impl Courses {
             self.misfits.extend(this.chi_square);
             passage = this.before;
         }
-        let count = self.misfits.len();
-        if count == 0 {
-            return (0, 1.0);
-        }
-        let (_, median, _) = self
-            .misfits
-            .select_nth_unstable_by(count / 2, f64::total_cmp);
-        (count, *median / LN_2)
+        let median = median(&mut self.misfits);
+        (
+            self.misfits.len(),
+            median.map_or(1.0, |median| median / LN_2),
+        )
     }
 
     fn normalise(&mut self) {

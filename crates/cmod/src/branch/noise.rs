@@ -11,6 +11,7 @@ use num_complex::Complex64;
 
 use super::forward::LineAt;
 use super::tracked::Place;
+use crate::median::median;
 
 /// Noise assumed if no noise is stated, divided by (½ + |Ψ|²)^½; only the dependence of the noise
 /// on Ψ matters.
@@ -127,15 +128,6 @@ fn deviation(first: &LineAt<'_>, middle: &LineAt<'_>, last: &LineAt<'_>) -> Opti
         + (1.0 - weight).powi(2) * first.sight.variance
         + weight.powi(2) * last.sight.variance;
     Some((middle.sight.observed - between).norm_sqr() / expected)
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    let half = values.len() / 2;
-    if values.is_empty() {
-        return None;
-    }
-    let (_, median, _) = values.select_nth_unstable_by(half, f64::total_cmp);
-    Some(*median)
 }
 
 #[cfg(test)]

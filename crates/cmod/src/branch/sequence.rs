@@ -30,6 +30,13 @@ pub struct ResolvedRoot {
     pub doubt: Option<BranchDoubt>,
 }
 
+impl ResolvedRoot {
+    /// Returns the doubt, unless only the damping is doubtful.
+    pub(crate) fn ambiguity(&self) -> Option<BranchDoubt> {
+        self.doubt.filter(BranchDoubt::is_ambiguous)
+    }
+}
+
 /// Solves cosh(γL) = Ψ on increasing frequencies, with k continuous from k(0) = 0.
 ///
 /// `frequency_hz` and `acceleration_ratio` have one entry per line. A line at 0 Hz gives γ = 0,
@@ -74,53 +81,53 @@ pub fn resolve(
     if let Some((index, &ratio)) = bad {
         return Err(CmodError::NonFiniteRatio { index, ratio });
     }
-    let specimen = SpecimenRecord {
+    let record = PhaseRecord {
+        observation: &FreeEnd,
         length: 1.0,
-        mass_ratio: 0.0,
         frequency_hz,
-        acceleration_ratio,
+        observed: acceleration_ratio,
         variance: None,
     };
-    specimen.resolve(&BranchTracker::new().with_any_wave_speed())
+    roots(record, 0.0, &BranchTracker::new().with_any_wave_speed())
 }
 
-/// Data of one specimen.
-pub(crate) struct SpecimenRecord<'a> {
-    /// Length L of the specimen, or distance a between neighbouring gauges \[m\].
-    pub(crate) length: f64,
-    /// Mass ratio μ.
-    pub(crate) mass_ratio: f64,
-    pub(crate) frequency_hz: &'a [f64],
-    pub(crate) acceleration_ratio: &'a [Complex64],
-    pub(crate) variance: Option<&'a [f64]>,
-}
-
-impl SpecimenRecord<'_> {
-    /// Assigns every line to its branch. The roots of the equation with the end mass are followed,
-    /// not those of a free end: with a heavy mass |Ψ| exceeds 1 without any damping, and k of the
-    /// free end would be constant there.
-    pub(crate) fn resolve(&self, tracker: &BranchTracker) -> Result<Vec<ResolvedRoot>, CmodError> {
-        let loaded = EndMass {
-            mass_ratio: self.mass_ratio,
-        };
-        let tracked = tracker.track(&[PhaseRecord {
-            observation: if self.mass_ratio > 0.0 {
-                &loaded
-            } else {
-                &FreeEnd
-            },
-            length: self.length,
-            frequency_hz: self.frequency_hz,
-            observed: self.acceleration_ratio,
-            variance: self.variance,
-        }])?;
-        let lines = tracked.records.into_iter().next().unwrap_or_default();
-        Ok(lines
-            .iter()
-            .zip(self.acceleration_ratio)
-            .map(|(line, ratio)| without_end_mass(line, *ratio, self.mass_ratio))
-            .collect())
+/// Assigns every line of one specimen to its branch: lines with frequency, ratio and E|δΨ|², a
+/// specimen of `length` L \[m\] (or gauges at this distance), and the mass ratio μ. Without lines
+/// the list is empty.
+pub(crate) fn resolve_lines(
+    length: f64,
+    mass_ratio: f64,
+    lines: impl Iterator<Item = (f64, Complex64, f64)>,
+) -> Result<Vec<ResolvedRoot>, CmodError> {
+    let (frequency_hz, ratio, variance): (Vec<_>, Vec<_>, Vec<_>) = lines.collect();
+    if frequency_hz.is_empty() {
+        return Ok(Vec::new());
     }
+    let loaded = EndMass { mass_ratio };
+    let record = PhaseRecord {
+        observation: if mass_ratio > 0.0 { &loaded } else { &FreeEnd },
+        length,
+        frequency_hz: &frequency_hz,
+        observed: &ratio,
+        variance: Some(&variance),
+    };
+    roots(record, mass_ratio, &BranchTracker::new())
+}
+
+/// Tracks the roots of the equation with the end mass, not those of a free end: with a heavy mass
+/// |Ψ| exceeds 1 without any damping, and k of the free end would be constant there.
+fn roots(
+    record: PhaseRecord<'_>,
+    mass_ratio: f64,
+    tracker: &BranchTracker,
+) -> Result<Vec<ResolvedRoot>, CmodError> {
+    let tracked = tracker.track(&[record])?;
+    let lines = tracked.records.into_iter().next().unwrap_or_default();
+    Ok(lines
+        .iter()
+        .zip(record.observed)
+        .map(|(line, ratio)| without_end_mass(line, *ratio, mass_ratio))
+        .collect())
 }
 
 /// Returns the root for a free end, on the same branch as the root with end mass. As μ goes to 0,

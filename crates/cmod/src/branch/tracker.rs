@@ -20,8 +20,6 @@ use crate::error::{
 pub const SLOWEST_WAVE: f64 = 20.0;
 /// Upper limit of the possible wave speeds [m/s], above that of any solid rod.
 pub const FASTEST_WAVE: f64 = 20e3;
-/// Default confidence below which a branch counts as doubtful.
-pub const LEAST_CONFIDENCE: f64 = 0.9999;
 /// Half width of the search range around a guess of the wave speed, in standard deviations.
 const WITHIN: f64 = 5.0;
 /// Maximum number of noise adjustments.
@@ -85,7 +83,6 @@ pub struct BranchTracker {
     slowest: f64,
     fastest: f64,
     known: Vec<KnownWaveNumber>,
-    least_confidence: f64,
 }
 
 impl Default for BranchTracker {
@@ -104,7 +101,6 @@ impl BranchTracker {
             slowest: SLOWEST_WAVE,
             fastest: FASTEST_WAVE,
             known: Vec::new(),
-            least_confidence: LEAST_CONFIDENCE,
         }
     }
 
@@ -182,22 +178,6 @@ impl BranchTracker {
         self.with_wave_number(frequency_hz, middle / length, 0.25 * PI / length)
     }
 
-    /// Sets the confidence below which a branch is doubtful, instead of [`LEAST_CONFIDENCE`].
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless the confidence is at least ½ and below 1.
-    pub fn with_least_confidence(mut self, least_confidence: f64) -> Result<Self, CmodError> {
-        if !(0.5..1.0).contains(&least_confidence) {
-            return Err(CmodError::NonPhysical {
-                quantity: "least confidence",
-                value: least_confidence,
-                expected: "0.5 or above, below 1",
-            });
-        }
-        self.least_confidence = least_confidence;
-        Ok(self)
-    }
-
     /// Assigns each line of all `records` to its branch. All records must be of one material, so
     /// that they share γ(ω).
     ///
@@ -235,7 +215,7 @@ impl BranchTracker {
             .iter()
             .map(|record| vec![TrackedLine::AT_REST; record.frequency_hz.len()])
             .collect();
-        let verdict = Verdict::of(&courses, &lines, self.least_confidence);
+        let verdict = Verdict::of(&courses, &lines);
         for (index, (line, place)) in lines.iter().zip(&places).enumerate() {
             let entry = tracked
                 .get_mut(place.record)

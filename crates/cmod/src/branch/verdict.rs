@@ -30,6 +30,8 @@ const NEIGHBOURHOOD: f64 = 8.0;
 /// exceeds this limit once in 10⁷ lines.
 const STRANGE: f64 = 16.0;
 const SURPRISE: f64 = 4.0;
+/// Confidence below which a branch counts as doubtful.
+pub const LEAST_CONFIDENCE: f64 = 0.9999;
 /// Number of standard errors beyond which a probability is 1 to all digits.
 const SURE: f64 = 8.3;
 /// Number of standard errors below 0 beyond which a damping counts as negative.
@@ -43,7 +45,6 @@ pub(super) struct Verdict {
     misfits: Vec<Misfit>,
     determined: bool,
     crowded_out: f64,
-    least_confidence: f64,
 }
 
 /// Misfits of a line and of the lines around it, relative to the first course.
@@ -57,7 +58,7 @@ struct Misfit {
 }
 
 impl Verdict {
-    pub(super) fn of(courses: &Courses, lines: &[LineAt<'_>], least_confidence: f64) -> Self {
+    pub(super) fn of(courses: &Courses, lines: &[LineAt<'_>]) -> Self {
         let rivals = courses
             .alive
             .iter()
@@ -98,7 +99,6 @@ impl Verdict {
                 .collect(),
             determined: courses.determined,
             crowded_out: courses.crowded_out,
-            least_confidence,
         }
     }
 
@@ -207,7 +207,7 @@ impl Verdict {
                 found: root.im,
             });
         }
-        let unsure = *confidence < self.least_confidence;
+        let unsure = *confidence < LEAST_CONFIDENCE;
         if unsure && let Some(rival) = rival.filter(|_| disagreeing > 0.5 * (1.0 - *confidence)) {
             let speed = |phase: f64| line.omega * line.sight.length / phase;
             return Some(BranchDoubt::SeveralSpeeds {
@@ -218,7 +218,7 @@ impl Verdict {
         if unsure && (root - other).norm() > ONE_ROOT {
             return Some(BranchDoubt::OtherRoot {
                 confidence: *confidence,
-                least: self.least_confidence,
+                least: LEAST_CONFIDENCE,
                 other: other.im,
             });
         }

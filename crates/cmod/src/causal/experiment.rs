@@ -3,9 +3,9 @@
 use num_complex::Complex64;
 
 use super::projection::{Value, Whitened};
-use super::{CausalEstimate, enough};
+use super::{CausalEstimate, FEWEST_LINES};
 use crate::complex_frequency::ComplexFrequency;
-use crate::error::CmodError;
+use crate::error::{CmodError, check_enough_readings};
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 use crate::lateral_inertia::{CorrectedEstimate, LateralInertia};
 use crate::rheology::VarianceScatter;
@@ -101,7 +101,7 @@ pub(crate) fn of_experiment(
             let usable = linearised.filter(is_usable);
             usable.map(|line| about.push(line)).is_some()
         });
-        enough(parts.len())?;
+        check_enough_readings(parts.len(), FEWEST_LINES)?;
         let mut sources = sources_of(&about, measured);
         if !inertia.is_empty() {
             sources.push(ErrorSource::PoissonRatio);
@@ -192,7 +192,7 @@ fn parts<'a>(
             Value::circular(place(line), inertia.factor * line.modulus, variance)
         })
         .collect();
-    enough(values.len())?;
+    check_enough_readings(values.len(), FEWEST_LINES)?;
     let projected = Whitened::new(&values, &[], &[]).project();
     let material = projected.ok_or(CmodError::NoCausalEstimate)?.material;
 

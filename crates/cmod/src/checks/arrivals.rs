@@ -1,8 +1,6 @@
 //! First wave in the records of several channels: its arrival and its sign.
 
-use super::{
-    Check, CheckOutcome, CheckVerdict, check_level, fisher_tail, of_the_least, student_tail_below,
-};
+use super::{Check, CheckOutcome, check_level, fisher_tail, of_the_least, student_tail_below};
 use crate::error::{CmodError, check_not_negative, check_positive};
 
 /// Minimum number of samples from which a mean square is computed, before the hit or between the
@@ -250,15 +248,7 @@ impl<'a> Arrivals<'a> {
         let statistic = (least.correlation, 0.0);
         let outcome = CheckOutcome::judged(Check::Polarity, statistic, p_value, level);
         let is_lost = least.same > level && !outcome.has_failed();
-        Ok(CheckOutcome {
-            verdict: if is_lost {
-                CheckVerdict::Undecided
-            } else {
-                outcome.verdict
-            },
-            worst: least.channel,
-            ..outcome
-        })
+        Ok(outcome.undecided_if(is_lost).at(least.channel))
     }
 
     /// Returns the number of whole samples in a time.

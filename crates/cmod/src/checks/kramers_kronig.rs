@@ -8,7 +8,7 @@ use rodwave::kramers_kronig::KramersKronig;
 use super::{Check, CheckOutcome, CheckVerdict, check_level, chi_square_tail};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
-use crate::self_calibration::stride_of_independent_lines;
+use crate::self_calibration::{shift_of, stride_of_independent_lines};
 
 /// Maximum number of fits of the nearest material, each with weights from the previous fit.
 const MOST_ROUNDS: u32 = 4;
@@ -158,15 +158,7 @@ pub fn kramers_kronig_on(
         .zip(&squares)
         .max_by(|a, b| a.1.total_cmp(b.1))
         .map(|(line, _)| line.line.index);
-    Ok(CheckOutcome {
-        verdict: if is_open {
-            CheckVerdict::Undecided
-        } else {
-            outcome.verdict
-        },
-        ..outcome
-    }
-    .at(worst))
+    Ok(outcome.undecided_if(is_open).at(worst))
 }
 
 /// Line that is checked.
@@ -244,11 +236,8 @@ fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
             sources.push(shift.source);
         }
     }
-    let of_line = |line: &Tested<'_>, source: ErrorSource| -> Complex64 {
-        let shifts = line.line.uncertainty.systematic.iter();
-        let of_source = shifts.filter(|shift| shift.source == source);
-        of_source.map(|shift| shift.modulus).sum()
-    };
+    let of_line =
+        |line: &Tested<'_>, source| shift_of(&line.line.uncertainty.systematic, source).modulus;
     sources
         .into_iter()
         .map(|source| lines.iter().map(|line| of_line(line, source)).collect())

@@ -62,14 +62,6 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
     let statistic = if by_line { -least.1 } else { -whole };
     let outcome = CheckOutcome::judged(Check::Passivity, (statistic, 0.0), p_value, level);
     let lost = outcome.verdict == CheckVerdict::Passed && whole.abs() < 1.0;
-    Ok(CheckOutcome {
-        // Losses below the noise are neither positive nor negative.
-        verdict: if lost {
-            CheckVerdict::Undecided
-        } else {
-            outcome.verdict
-        },
-        worst: least.2,
-        ..outcome
-    })
+    // Losses below the noise are neither positive nor negative.
+    Ok(outcome.undecided_if(lost).at(least.2))
 }

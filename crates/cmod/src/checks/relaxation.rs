@@ -1,6 +1,6 @@
 //! Check of relaxation: a modulus over time does not rise.
 
-use super::{Check, CheckOutcome, CheckVerdict, check_level, student_tail_below};
+use super::{Check, CheckOutcome, check_level, student_tail_below};
 use crate::error::{CmodError, check_length, check_positive};
 
 /// Minimum number of points that have a scatter about their regression line.
@@ -64,18 +64,12 @@ pub fn relaxation(time: &[f64], modulus: &[f64], level: f64) -> Result<CheckOutc
     let p_value = student_tail_below(-statistic, Some(freedom));
     let outcome = CheckOutcome::judged(Check::Relaxation, (statistic, 0.0), p_value, level);
     let is_known = time.len() >= FEWEST && p_value.is_finite();
-    Ok(CheckOutcome {
-        verdict: if is_known {
-            outcome.verdict
-        } else {
-            CheckVerdict::Undecided
-        },
-        ..outcome
-    })
+    Ok(outcome.undecided_if(!is_known))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::CheckVerdict;
     use super::*;
 
     /// The line through ln E = 0, 1, 1, 2 at ln t = 0, 1, 2, 3 has the slope 0.6, and the squares

@@ -1,6 +1,6 @@
 //! Judgement of a line by the acceptance limits.
 
-use super::{ModulusEstimate, ModulusLine, VarianceFreedom};
+use super::{ModulusEstimate, ModulusLine, Refusal, VarianceFreedom};
 use crate::error::CmodError;
 use crate::uncertainty::{PROBABILITY_WITHIN, coverage_factor};
 use crate::validity::{
@@ -9,9 +9,9 @@ use crate::validity::{
 
 /// Limits for the lines of one record.
 pub(crate) struct Acceptance {
-    limits: AcceptanceLimits,
-    degrees_of_freedom: Option<f64>,
-    own_degrees_of_freedom: Option<f64>,
+    pub(super) limits: AcceptanceLimits,
+    pub(super) degrees_of_freedom: Option<f64>,
+    pub(super) own_degrees_of_freedom: Option<f64>,
     /// Number of standard errors that make up the possible random error.
     factor: f64,
 }
@@ -45,18 +45,6 @@ impl Acceptance {
             own_degrees_of_freedom: freedom.map(|freedom| freedom.own),
             ..Self::new(limits, freedom.map(|freedom| freedom.line))?
         })
-    }
-
-    pub(crate) fn degrees_of_freedom(&self) -> Option<f64> {
-        self.degrees_of_freedom
-    }
-
-    pub(crate) fn own_degrees_of_freedom(&self) -> Option<f64> {
-        self.own_degrees_of_freedom
-    }
-
-    pub(crate) fn limits(&self) -> &AcceptanceLimits {
-        &self.limits
     }
 
     /// Returns the limits that `line` exceeds.
@@ -152,16 +140,13 @@ impl ModulusEstimate {
     /// # Errors
     /// [`CmodError::NonPhysical`] for degrees of freedom of a line that are not positive.
     pub fn judged_by_neighbours(&self) -> Result<Self, CmodError> {
-        let mut acceptance = Acceptance::new(self.limits, None)?;
-        let mut judged = self.clone();
         let lines = self.lines();
-        for (index, line) in judged.lines.iter_mut().enumerate() {
+        let mut places = 0..lines.len();
+        self.revised(Refusal::Undetermined, |line, acceptance| {
+            let index = places.next()?;
+            let mut judged = line.clone();
             if !line.validity.is_valid() {
-                continue;
-            }
-            let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
-            if acceptance.degrees_of_freedom() != degrees_of_freedom {
-                acceptance = Acceptance::new(self.limits, degrees_of_freedom)?;
+                return Some(judged);
             }
             let around = index.saturating_sub(NEIGHBOURS)..lines.len().min(index + NEIGHBOURS + 1);
             let others = around.filter(|other| *other != index);
@@ -176,10 +161,10 @@ impl ModulusEstimate {
             if sums.1 > 0.0
                 && let Some(violation) = acceptance.by_neighbours(line, sums.0 / sums.1)
             {
-                line.validity = Validity::from_violations(vec![violation]);
+                judged.validity = Validity::from_violations(vec![violation]);
             }
-        }
-        Ok(judged)
+            Some(judged)
+        })
     }
 }
 

@@ -86,8 +86,7 @@ impl Budget {
     /// # Validity
     /// u_r is itself an estimate. For ν = 4 and a common error of 0.3 to 2 times the random one, the
     /// expanded uncertainty for 95 % covers 94.1 to 94.9 %; for ν = 8 and above, 94.7 % or more.
-    #[must_use]
-    pub fn effective_degrees_of_freedom(&self) -> Option<f64> {
+    fn effective_degrees_of_freedom(&self) -> Option<f64> {
         let freedom = self.degrees_of_freedom?;
         let effective = (self.standard_uncertainty() / self.random).powi(4) * freedom;
         effective.is_finite().then_some(effective)

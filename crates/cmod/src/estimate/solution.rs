@@ -79,10 +79,14 @@ impl Solution {
         systematic.extend(lateral_inertia(
             modulus,
             gamma.im * self.diameter,
-            acceptance.limits().greatest_poisson_ratio,
+            acceptance.limits.greatest_poisson_ratio,
         ));
-        let uncertainty = Uncertainty::new(random, systematic, acceptance.degrees_of_freedom())
-            .with_own_degrees_of_freedom(acceptance.own_degrees_of_freedom());
+        let uncertainty = Uncertainty {
+            random,
+            systematic,
+            degrees_of_freedom: acceptance.degrees_of_freedom,
+            own_degrees_of_freedom: acceptance.own_degrees_of_freedom,
+        };
         let standard_error = StandardError::of(
             modulus,
             gamma,
@@ -183,7 +187,7 @@ impl ModulusEstimate {
         };
         for line in &self.lines {
             let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
-            if acceptance.degrees_of_freedom() != degrees_of_freedom {
+            if acceptance.degrees_of_freedom != degrees_of_freedom {
                 acceptance = Acceptance::new(self.limits, degrees_of_freedom)?;
             }
             let line_or_reason = revise(line, &acceptance).ok_or(reason);
@@ -204,12 +208,7 @@ impl ModulusLine {
     ) -> Option<Self> {
         self.loss_factor = self.modulus.im / self.modulus.re;
         self.phase_velocity = TAU * self.frequency_hz / self.propagation_coefficient.im;
-        self.standard_error = StandardError::of(
-            self.modulus,
-            self.propagation_coefficient,
-            self.frequency_hz,
-            &self.uncertainty.total_covariance(),
-        );
+        self.standard_error = self.standard_error_of(&self.uncertainty.total_covariance());
         let mut violations = self.validity.violations().to_vec();
         violations.retain(|violation| {
             let of_size = matches!(

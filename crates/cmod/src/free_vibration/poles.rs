@@ -9,6 +9,7 @@ use rodwave::fourier::RealFourier;
 
 use crate::error::{CmodError, check_positive};
 use crate::estimate::VarianceFreedom;
+use crate::median::median;
 
 /// Half width of the search range around the expected frequency of a mode, as a fraction of the
 /// spacing of the modes.
@@ -416,9 +417,7 @@ impl Spectrum {
             .iter()
             .enumerate()
             .max_by(|a, b| a.1.total_cmp(b.1))?;
-        let mut sorted = within.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        if *power <= ABOVE_MEDIAN * sorted.get(sorted.len() / 2)? {
+        if *power <= ABOVE_MEDIAN * median(&mut within.to_vec())? {
             return None;
         }
         let peak = from + peak;

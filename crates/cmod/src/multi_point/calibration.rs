@@ -11,6 +11,7 @@ use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
 use crate::lateral_inertia::LateralInertia;
+use crate::median::median;
 use crate::self_calibration::{
     Experiment, LinearisedLine, Misfit, SelfCalibration, continuation, found,
 };
@@ -133,9 +134,7 @@ fn speed_of_first_lines(estimate: &ModulusEstimate) -> Option<f64> {
     const FIRST: usize = 21;
     let lines = estimate.telling().take(FIRST);
     let mut speeds: Vec<f64> = lines.map(|line| line.phase_velocity).collect();
-    speeds.sort_by(f64::total_cmp);
-    let median = speeds.get(speeds.len() / 2).copied()?;
-    (median > 0.0).then_some(median)
+    median(&mut speeds).filter(|speed| *speed > 0.0)
 }
 
 impl SelfCalibration {

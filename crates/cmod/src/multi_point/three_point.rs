@@ -16,7 +16,7 @@ use super::GaugeSettings;
 use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
 use super::uncertainty::{GaugeInfluence, GaugeUncertainty};
-use crate::branch::{BranchTracker, SpecimenRecord};
+use crate::branch::{ResolvedRoot, resolve_lines};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{Acceptance, Method, ModulusEstimate, Refusal, Termination};
@@ -192,23 +192,12 @@ impl ThreePoint {
                 Err(reason) => estimate.add(index, frequency_hz, Err(reason)),
             }
         }
-        let frequency_hz: Vec<f64> = ratios.iter().map(|ratio| ratio.frequency_hz).collect();
-        let values: Vec<Complex64> = ratios.iter().map(|ratio| ratio.value).collect();
-        // waves are counted where neither noise nor sensor errors prevent counting
-        let whole = |ratio: &Ratio| ratio.variance + ratio.variance_by_sensors(&self.uncertainty);
-        let variance: Vec<f64> = ratios.iter().map(whole).collect();
-        let roots = if values.is_empty() {
-            Vec::new()
-        } else {
-            let record = SpecimenRecord {
-                length: self.distance,
-                mass_ratio: 0.0,
-                frequency_hz: &frequency_hz,
-                acceleration_ratio: &values,
-                variance: Some(&variance),
-            };
-            record.resolve(&BranchTracker::new())?
+        let line = |ratio: &Ratio| {
+            // waves are counted where neither noise nor sensor errors prevent counting
+            let whole = ratio.variance + ratio.variance_by_sensors(&self.uncertainty);
+            (ratio.frequency_hz, ratio.value, whole)
         };
+        let roots = resolve_lines(self.distance, 0.0, ratios.iter().map(line))?;
         for (ratio, root) in ratios.iter().zip(roots) {
             let freedom = self.settings.noise_freedom;
             let freedom = freedom.map(|freedom| freedom.of_sum(ratio.parts.into_iter()));
@@ -220,16 +209,12 @@ impl ThreePoint {
         Ok(estimate)
     }
 
-    fn solved(&self, ratio: &Ratio, root: crate::branch::ResolvedRoot) -> SolvedLine {
+    fn solved(&self, ratio: &Ratio, root: ResolvedRoot) -> SolvedLine {
         let a = self.distance;
         let gamma_a = root.gamma_length;
         let sinh = gamma_a.sinh();
-        let mut violations = Vec::new();
-        violations.extend(
-            root.doubt
-                .filter(|doubt| doubt.is_ambiguous())
-                .map(Violation::BranchAmbiguous),
-        );
+        let ambiguity = root.ambiguity().map(Violation::BranchAmbiguous);
+        let mut violations: Vec<Violation> = ambiguity.into_iter().collect();
         if ratio.noise_to_signal > MOST_NOISE_AT_THE_MIDDLE {
             violations.push(Violation::NodeAtMiddleGauge {
                 noise_to_signal: ratio.noise_to_signal,

@@ -43,22 +43,16 @@ pub enum LoadSegment {
 
 impl LoadSegment {
     fn check(&self) -> Result<(), CmodError> {
+        check_not_negative("duration of a load segment [s]", self.duration())?;
         let stresses = match *self {
-            Self::Constant { stress, duration } => {
-                check_not_negative("duration of a load segment [s]", duration)?;
-                [stress, stress]
-            }
-            Self::Ramp { from, to, duration } => {
-                check_not_negative("duration of a load segment [s]", duration)?;
-                [from, to]
-            }
+            Self::Constant { stress, .. } => [stress, stress],
+            Self::Ramp { from, to, .. } => [from, to],
             Self::Periodic {
                 mean,
                 amplitude,
                 frequency_hz,
-                duration,
+                ..
             } => {
-                check_not_negative("duration of a load segment [s]", duration)?;
                 check_positive("frequency of a load segment [Hz]", frequency_hz)?;
                 [mean, amplitude]
             }

@@ -479,8 +479,7 @@ pub(super) fn enough(
 ) -> Result<(), CmodError> {
     let spare = usize::from(scale == ErrorScale::FromResidual);
     let expected = parameters.saturating_add(spare);
-    check_enough_readings(data.values(), expected)?;
-    Ok(())
+    check_enough_readings(data.values(), expected)
 }
 
 impl fmt::Display for RheologicalFit {

@@ -82,16 +82,9 @@ fn best_of(
     let best = minima.into_iter().next().ok_or_else(|| CmodError::NoLaw {
         law: law.to_string(),
     })?;
-    let sequence = 0..data.len();
     let scene = Scene {
-        model,
-        data,
-        band: data.band(),
-        sequences: std::slice::from_ref(&sequence),
-        options,
-        profiled_from: 0,
-        ends_at_open: false,
         elsewhere: Elsewhere::new(data, elsewhere),
+        ..Scene::new(model, data, options)
     };
     scene.judge(best, law, wrap)
 }

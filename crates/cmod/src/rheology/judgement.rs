@@ -1,5 +1,6 @@
 //! Evaluation of a minimum: errors, intervals and verdicts of all parameters.
 
+use std::iter;
 use std::ops::Range;
 
 use super::count;
@@ -29,7 +30,7 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) data: &'a ModulusData,
     /// Lowest and highest angular frequency of the data [rad/s].
     pub(super) band: (f64, f64),
-    pub(super) sequences: &'a [Range<usize>],
+    pub(super) sequences: Vec<Range<usize>>,
     pub(super) options: FitOptions,
     /// First parameter whose profile is computed. Earlier parameters count as not identifiable if
     /// their linear error is unreliable.
@@ -48,7 +49,21 @@ const ROUNDS: usize = 6;
 /// Decrease of the logarithm of a loss at which the loss counts as vanished: to e^-30 of its value.
 const VANISHED: f64 = 30.0;
 
-impl<M: Model + ?Sized> Scene<'_, M> {
+impl<'a, M: Model + ?Sized> Scene<'a, M> {
+    /// Creates the scene of a fit to `data` as one sequence, with profiles of all parameters.
+    pub(super) fn new(model: &'a M, data: &'a ModulusData, options: FitOptions) -> Self {
+        Self {
+            model,
+            data,
+            band: data.band(),
+            sequences: iter::once(0..data.len()).collect(),
+            options,
+            profiled_from: 0,
+            ends_at_open: false,
+            elsewhere: Elsewhere::default(),
+        }
+    }
+
     /// Returns errors, intervals and verdicts. If a profile finds a lower minimum, the evaluation
     /// starts again from that minimum.
     pub(super) fn judge(
@@ -114,7 +129,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         whiteness: Whiteness::of(
                             &left.residual,
                             &self.data.readings,
-                            self.sequences,
+                            &self.sequences,
                         ),
                         residuals: left.residual,
                         ending: minimum.ending,

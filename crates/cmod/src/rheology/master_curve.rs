@@ -23,7 +23,6 @@ use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::order::Order;
 use super::parameter::{Interval, IntervalMethod, Parameter, Verdict};
-use super::profile::Elsewhere;
 use super::shift_law::ShiftLaws;
 use super::support::Support;
 use super::sweep::TemperatureSweep;
@@ -216,18 +215,14 @@ impl MasterCurve {
             })
             .collect();
         let scene = Scene {
-            model: &model,
-            data: joined,
             band: shifted.band(),
-            sequences: &sequences,
-            options,
+            sequences: sequences.clone(),
             profiled_from: if options.series_profiles {
                 0
             } else {
                 minimum.at.len() - others.len()
             },
-            ends_at_open: false,
-            elsewhere: Elsewhere::default(),
+            ..Scene::new(&model, joined, options)
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
         let mut fit = scene.judge(minimum, Law::GeneralisedMaxwell, wrap)?;

@@ -115,6 +115,12 @@ impl<'a, M: Model> Partial<'a, M> {
         }
     }
 
+    /// Returns the free coordinates of the point that was given.
+    pub(super) fn start(&self) -> Vec<f64> {
+        let of = |index: &usize| self.at.get(*index).copied();
+        self.free.iter().filter_map(of).collect()
+    }
+
     /// Returns all coordinates of the whole model.
     pub(super) fn whole_at(&self, free: &[f64]) -> Vec<f64> {
         let mut at = self.at.clone();

@@ -112,20 +112,14 @@ impl PronyFit {
     fn judged(data: &ModulusData, options: FitOptions, chosen: Chosen) -> Result<Self, CmodError> {
         let series = &chosen.best.series;
         let model = Prony::new(series.equilibrium > 0.0, series.branches.len());
-        let sequence = 0..data.len();
         let scene = Scene {
-            model: &model,
-            data,
-            band: data.band(),
-            sequences: std::slice::from_ref(&sequence),
-            options,
             profiled_from: if options.series_profiles {
                 0
             } else {
                 usize::MAX
             },
-            ends_at_open: false,
             elsewhere: Elsewhere::new(data, series.elsewhere(data)),
+            ..Scene::new(&model, data, options)
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
         let alternatives = chosen.alternatives();
@@ -147,7 +141,7 @@ fn score(refined: &Refined, data: &ModulusData, options: &FitOptions) -> f64 {
     options.criterion.of(order.aicc, order.bic)
 }
 
-fn no_law() -> CmodError {
+pub(super) fn no_law() -> CmodError {
     CmodError::NoLaw {
         law: Law::GeneralisedMaxwell.to_string(),
     }

@@ -11,6 +11,7 @@ use crate::branch::wave_speed::{
     Start, TOO_CLOSE, about, few_lines, mean_of_better, minima, try_speeds,
 };
 use crate::branch::{BranchDoubt, FASTEST_WAVE, SLOWEST_WAVE};
+use crate::median::median;
 
 /// Ratio of neighbouring speeds, which changes the phase by a fifth of a radian at one wavelength
 /// over the distance. The ratio is closer to 1 if lines beyond one wavelength are compared.
@@ -94,8 +95,7 @@ fn median_step(measured: &[MeasuredRatio<'_>]) -> f64 {
         .zip(measured.iter().skip(1))
         .map(|(line, next)| next.frequency_hz - line.frequency_hz)
         .collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).map_or(0.0, |step| *step)
+    median(&mut steps).unwrap_or(0.0)
 }
 
 /// Returns the mean logarithm of the misfit, relative to the noise and [`MODEL_ERROR`], over the

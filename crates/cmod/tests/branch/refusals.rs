@@ -81,10 +81,6 @@ fn anchors_that_cannot_be() {
             tracker().with_branch(1.0, Branch::in_quadrant(0), 0.0),
             "length [m] is 0, expected a finite value above 0",
         ),
-        (
-            tracker().with_least_confidence(0.3),
-            "least confidence is 0.3, expected 0.5 or above, below 1",
-        ),
     ] {
         assert_eq!(found.unwrap_err().to_string(), expected);
     }

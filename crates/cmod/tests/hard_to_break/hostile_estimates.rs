@@ -325,20 +325,19 @@ fn branches() {
     }
     findings.sweep(
         "BranchTracker",
-        &[1600.0, 0.1, 500.0, 2.0, 0.5, 0.99, 1.0, 1.0, 1e-6],
+        &[1600.0, 0.1, 500.0, 2.0, 0.5, 1.0, 1.0, 1e-6],
         |a| {
-            let (mut frequency_hz, observed) = spoilt(&Specimen::polymer(), a[7]);
-            frequency_hz.iter_mut().for_each(|f| *f *= a[6]);
+            let (mut frequency_hz, observed) = spoilt(&Specimen::polymer(), a[6]);
+            frequency_hz.iter_mut().for_each(|f| *f *= a[5]);
             let tracker = BranchTracker::new()
                 .with_wave_speed(a[0], a[1])?
-                .with_wave_number(a[2], a[3], a[4])?
-                .with_least_confidence(a[5])?;
+                .with_wave_number(a[2], a[3], a[4])?;
             let tracked = tracker.track(&[PhaseRecord {
                 observation: &FreeEndPhase,
                 length: 1.0,
                 frequency_hz: &frequency_hz,
                 observed: &observed,
-                variance: Some(&[a[8]; LINES]),
+                variance: Some(&[a[7]; LINES]),
             }])?;
             let lines = tracked.records.iter().flatten();
             let said = lines.flat_map(|line| {

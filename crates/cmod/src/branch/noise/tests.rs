@@ -49,15 +49,6 @@ fn noise_that_is_not_stated_has_a_form_and_a_least_value() {
 }
 
 #[test]
-fn a_median_is_the_middle() {
-    let exactly = |found: Option<f64>, expected: f64| found.unwrap().total_cmp(&expected).is_eq();
-    assert!(median(&mut []).is_none());
-    assert!(exactly(median(&mut [5.0, -1.0, 3.0]), 3.0));
-    // for an even number of values the median is the upper of the two middle values
-    assert!(exactly(median(&mut [4.0, 1.0, 3.0, 2.0]), 3.0));
-}
-
-#[test]
 fn a_deviation_is_from_the_straight_line_through_the_neighbours() {
     // a quarter of the way from 1 to 3 the straight line is at 1.5; the variances of the three
     // lines are weighted with the factors 9/16, 1 and 1/16

@@ -245,7 +245,6 @@ fn verdict(misfit: f64, chi_square: Option<f64>, smoothed: Smoothed) -> Verdict 
         }],
         determined: true,
         crowded_out: 0.0,
-        least_confidence: 0.99,
     }
 }
 
@@ -315,22 +314,25 @@ fn doubts_come_in_the_order_of_their_weight() {
     };
     let clear = verdict(1.0, Some(1.0), smoothed);
     let roots = (at, gamma(0.2, 4.2));
-    assert_eq!(ask(&clear, at, 0.995, roots, (0.0, None)), (None, 0.995));
+    assert_eq!(
+        ask(&clear, at, 0.99995, roots, (0.0, None)),
+        (None, 0.99995)
+    );
     // a confidence equal to the required one is sufficient
-    assert_eq!(ask(&clear, at, 0.99, roots, (0.0, None)), (None, 0.99));
+    assert_eq!(ask(&clear, at, 0.9999, roots, (0.0, None)), (None, 0.9999));
     let lost = Verdict {
         determined: false,
         ..verdict(1.0, Some(1.0), smoothed)
     };
     assert_eq!(
-        ask(&lost, at, 0.995, roots, (0.0, None)),
+        ask(&lost, at, 0.99995, roots, (0.0, None)),
         (Some(BranchDoubt::Undetermined), 0.0)
     );
     assert_eq!(
         ask(
             &verdict(6.5, Some(1.0), smoothed),
             at,
-            0.995,
+            0.99995,
             roots,
             (0.0, None)
         ),
@@ -344,7 +346,7 @@ fn doubts_come_in_the_order_of_their_weight() {
     );
     // with a standard error of 0.01, a damping of five standard errors below 0 means a wrong count
     // of waves; three standard errors below 0 are noise
-    let (doubt, confidence) = ask(&clear, gamma(-0.05, 2.0), 0.995, roots, (0.0, None));
+    let (doubt, confidence) = ask(&clear, gamma(-0.05, 2.0), 0.99995, roots, (0.0, None));
     let Some(BranchDoubt::Turned {
         damping_length,
         deviations,
@@ -354,7 +356,7 @@ fn doubts_come_in_the_order_of_their_weight() {
     };
     assert!((damping_length + 0.05).abs() < 1e-15 && relative(deviations, 5.0) < 1e-9);
     assert!(confidence.abs() < 1e-15);
-    let (doubt, _) = ask(&clear, gamma(-0.03, 2.0), 0.995, roots, (0.0, None));
+    let (doubt, _) = ask(&clear, gamma(-0.03, 2.0), 0.99995, roots, (0.0, None));
     assert_eq!(doubt, None);
     // the doubt is about the other speed if more than half of the missing confidence belongs to it;
     // otherwise the doubt is about the other root
@@ -372,18 +374,18 @@ fn doubts_come_in_the_order_of_their_weight() {
         doubt,
         Some(BranchDoubt::OtherRoot {
             confidence: 0.9,
-            least: 0.99,
+            least: 0.9999,
             other: 4.2
         })
     );
     // there is no doubt about the other speed where the confidence is high, nor about another root
     // that coincides with the first
-    assert_eq!(ask(&clear, at, 0.995, roots, (0.06, Some(4.0))).0, None);
+    assert_eq!(ask(&clear, at, 0.99995, roots, (0.06, Some(4.0))).0, None);
     let same = (at, at + gamma(0.0, 0.004));
     assert_eq!(ask(&clear, at, 0.9, same, (0.0, None)).0, None);
     let negative = (gamma(-0.001, 2.0), gamma(0.2, 4.2));
     assert_eq!(
-        ask(&clear, at, 0.995, negative, (0.0, None)).0,
+        ask(&clear, at, 0.99995, negative, (0.0, None)).0,
         Some(BranchDoubt::NegativeDamping {
             damping_length: -0.001
         })

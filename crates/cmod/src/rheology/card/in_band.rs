@@ -20,9 +20,8 @@ use super::super::judgement::Scene;
 use super::super::law::{FittedLaw, Law};
 use super::super::least_squares::{Effort, minimise};
 use super::super::model::Partial;
-use super::super::order::Series;
+use super::super::order::{Series, no_law};
 use super::super::parameter::Parameter;
-use super::super::profile::Elsewhere;
 use super::super::prony::Prony;
 use crate::error::CmodError;
 
@@ -109,12 +108,6 @@ fn times_of(series: &Series) -> Vec<f64> {
     series.branches.iter().map(|b| b.relaxation_time).collect()
 }
 
-fn no_law() -> CmodError {
-    CmodError::NoLaw {
-        law: Law::GeneralisedMaxwell.to_string(),
-    }
-}
-
 fn not_solid(value: f64) -> CmodError {
     CmodError::CardUndetermined {
         what: "long-term modulus of the card [Pa]",
@@ -168,12 +161,9 @@ fn refined(data: &ModulusData, mut times: Vec<f64>, ends: (f64, f64)) -> Result<
         let model = Prony::new(true, start.branches.len());
         let at = Prony::coordinates(start.equilibrium, &start.branches);
         let free = free(&at, ends);
-        let first: Vec<f64> = free
-            .iter()
-            .filter_map(|index| at.get(*index).copied())
-            .collect();
         let partial = Partial::new(&model, at, free);
-        let minimum = minimise(&partial, data, &first, None, Effort::Full).ok_or_else(no_law)?;
+        let minimum =
+            minimise(&partial, data, &partial.start(), None, Effort::Full).ok_or_else(no_law)?;
         let mut series = Series::of_coordinates(&partial.whole_at(&minimum.at), true);
         series
             .branches
@@ -194,23 +184,13 @@ fn judged(
     let model = Prony::new(true, found.branches.len());
     let at = found.coordinates();
     let free = free(&at, ends);
-    let start: Vec<f64> = free
-        .iter()
-        .filter_map(|index| at.get(*index).copied())
-        .collect();
     let partial = Partial::new(&model, at, free);
-    let sequence = 0..data.len();
     let scene = Scene {
-        model: &partial,
-        data,
-        band: data.band(),
-        sequences: std::slice::from_ref(&sequence),
-        options,
-        profiled_from: 0,
         ends_at_open: true,
-        elsewhere: Elsewhere::default(),
+        ..Scene::new(&partial, data, options)
     };
-    let minimum = minimise(&partial, data, &start, None, Effort::Full).ok_or_else(no_law)?;
+    let minimum =
+        minimise(&partial, data, &partial.start(), None, Effort::Full).ok_or_else(no_law)?;
     let wrap = |at: &[f64]| {
         Ok(FittedLaw::GeneralisedMaxwell(
             model.law_at(&partial.whole_at(at))?,

@@ -5,9 +5,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::super::count;
 use super::super::data::ModulusData;
 use super::super::fit::{Alternative, ErrorScale, FitOptions, Scores};
-use super::super::law::Law;
 use super::super::least_squares::{Effort, Minimum, minimise};
-use super::super::order::{Order, Refined, Series, choose, weighted};
+use super::super::order::{Order, Refined, Series, choose, no_law, weighted};
 use super::super::prony::Prony;
 use super::super::sweep::TemperatureSweep;
 use super::links::Starts;
@@ -87,9 +86,6 @@ impl Joint<'_> {
     }
 
     pub(super) fn settle(&self, starts: &Starts, with_factors: bool) -> Result<Settled, CmodError> {
-        let no_law = || CmodError::NoLaw {
-            law: Law::GeneralisedMaxwell.to_string(),
-        };
         let mut log_shifts = starts.log_shifts.clone();
         for (shift, is_stated) in log_shifts.iter_mut().zip(&starts.is_stated) {
             if *is_stated {
