@@ -12,7 +12,6 @@
 mod branch;
 mod causal;
 mod checks;
-mod claims;
 mod creep_recovery;
 mod free_vibration;
 mod gauge_uncertainty;

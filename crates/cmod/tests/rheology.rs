@@ -8,5 +8,5 @@ mod measured;
 mod order;
 mod over_time;
 mod refusals;
-pub(crate) mod sweep;
+mod sweep;
 mod verdicts;

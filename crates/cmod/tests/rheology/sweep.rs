@@ -3,28 +3,30 @@
 
 use std::f64::consts::TAU;
 
-use cmod::rheology::{FitOptions, MasterCurve, ModulusData, Shift, TemperatureSweep, Wlf};
+use cmod::rheology::{
+    FitOptions, MasterCurve, ModulusData, Shift, ShiftLaws, TemperatureSweep, Wlf,
+};
 use cmod::{CmodError, Specimen, TwoPoint};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::medium::Medium;
 use rodwave::modulus::{ComplexModulus, FractionalZener, GeneralisedMaxwell, LaplaceModulus};
 use rodwave::transition::{State, TransitionMatrix};
 
 use super::measured::{Noise, logarithmic, measured, series};
+use testbed::claim::{Claims, Within};
+use testbed::difference::largest;
+use testbed::{hold, noise};
 
 const REFERENCE: f64 = 353.15;
 
 /// Returns ln a_T by Williams, Landel and Ferry.
-pub(crate) fn wlf(c1: f64, c2: f64, temperature: f64) -> f64 {
+fn wlf(c1: f64, c2: f64, temperature: f64) -> f64 {
     let d = temperature - REFERENCE;
     -std::f64::consts::LN_10 * c1 * d / (c2 + d)
 }
 
 /// Returns ln a_T by Arrhenius, for an energy in J/mol.
-pub(crate) fn arrhenius(energy: f64, temperature: f64) -> f64 {
+fn arrhenius(energy: f64, temperature: f64) -> f64 {
     energy / 8.314462618 * (1.0 / temperature - 1.0 / REFERENCE)
 }
 
@@ -32,35 +34,40 @@ fn temperatures() -> Vec<f64> {
     (0..13).map(|k| 293.15 + 10.0 * f64::from(k)).collect()
 }
 
-pub(crate) fn four_branches() -> GeneralisedMaxwell {
+fn four_branches() -> GeneralisedMaxwell {
     let branches = [(0.5e9, 1e-6), (0.6e9, 2e-5), (0.5e9, 5e-4), (0.4e9, 2e-2)];
     series(0.4e9, &branches)
 }
 
+/// Returns curves at `temperatures`, of `lines` frequencies from `first_hz` to 10 kHz, of a material
+/// with the `modulus` E(ω, T), with the draws of `seed_of` the number of the temperature and T.
+fn swept(
+    temperatures: &[f64],
+    (first_hz, lines): (f64, u32),
+    modulus: &dyn Fn(f64, f64) -> Complex64,
+    noise: f64,
+    seed_of: impl Fn(usize, f64) -> u64,
+) -> TemperatureSweep {
+    let frequency = logarithmic(first_hz, 10e3, lines);
+    let steps = temperatures.iter().enumerate().map(|(k, &t)| {
+        let noise = Noise::circular(noise);
+        let data = measured(|omega| modulus(omega, t), &frequency, noise, seed_of(k, t));
+        (t, data)
+    });
+    TemperatureSweep::new(steps.collect()).unwrap()
+}
+
 /// Returns sixteen lines from 400 Hz to 10 kHz at each temperature.
-pub(crate) fn sweep(
-    law: &dyn Fn(f64) -> Complex64,
+fn sweep(
+    law: &dyn ComplexModulus,
     log_shift: &dyn Fn(f64) -> f64,
     noise: f64,
     seed: u64,
 ) -> TemperatureSweep {
-    let steps = temperatures()
-        .into_iter()
-        .enumerate()
-        .map(|(k, temperature)| {
-            let a = log_shift(temperature).exp();
-            let frequency = logarithmic(400.0, 10e3, 16);
-            let seed = 100 * seed + k as u64;
-            let data = measured(
-                |omega| law(omega * a),
-                &frequency,
-                Noise::circular(noise),
-                seed,
-            );
-            (temperature, data)
-        })
-        .collect();
-    TemperatureSweep::new(steps).unwrap()
+    let modulus = |omega: f64, t: f64| law.at(omega * log_shift(t).exp());
+    swept(&temperatures(), (400.0, 16), &modulus, noise, |k, _| {
+        100 * seed + k as u64
+    })
 }
 
 /// The shifts follow WLF, with errors equal to their scatter; C₁ and C₂ are within their errors;
@@ -72,8 +79,9 @@ fn shifts_and_their_law_are_found_with_their_errors() {
     let seeds = 20;
     let mut mean_square = 0.0;
     let (mut covered, mut refused, mut by_order) = (0, 0, 0);
+    let mut claims = Claims::default();
     for seed in 0..seeds {
-        let sweep = sweep(&|omega| law.at(omega), &|t| wlf(c1, c2, t), 0.01, seed);
+        let sweep = sweep(&law, &|t| wlf(c1, c2, t), 0.01, seed);
         let curve = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
         assert!(curve.fit.p_value() > 1e-4, "{curve}");
         assert!(
@@ -107,7 +115,11 @@ fn shifts_and_their_law_are_found_with_their_errors() {
         assert!(laws.wlf.constants_are_identified());
         assert!(laws.wlf_p_value() > 1e-4, "{laws}");
         refused += u32::from(laws.arrhenius_p_value < 0.01);
+        if seed == 0 {
+            claim_wlf(&mut claims, &curve, &laws, &|t| wlf(c1, c2, t));
+        }
     }
+    hold!(claims);
     // The shifts are correlated: their 240 squares are equivalent to some tens of independent ones.
     // The order, which is chosen from the same data, adds a little scatter.
     assert!((0.6..1.7).contains(&mean_square), "{mean_square}");
@@ -119,19 +131,72 @@ fn shifts_and_their_law_are_found_with_their_errors() {
     assert!(refused >= 18, "{refused}");
 }
 
+fn claim_wlf(
+    claims: &mut Claims,
+    curve: &MasterCurve,
+    laws: &ShiftLaws,
+    exact: &dyn Fn(f64) -> f64,
+) {
+    let fitted = curve.shifts.iter().filter(|of| of.standard_error > 0.0);
+    let squares =
+        fitted.map(|of| ((of.log_shift - exact(of.temperature)) / of.standard_error).powi(2));
+    let identified = curve.shifts.iter().filter(|of| of.verdict.is_identified());
+    let errors = identified.map(|of| (of.log_shift - exact(of.temperature)).abs());
+    let wlf = &laws.wlf;
+    claims
+        .by("Williams, Landel and Ferry with C_1 = 8, C_2 = 180 K; 13 temperatures, noise of 1 %");
+    for (what, expected, within, found) in [
+        (
+            "master curve: root mean square of the errors of the shifts, in their standard errors",
+            1.0,
+            Within(
+                0.7,
+                "12 shifts with correlated errors count as some five independent ones",
+            ),
+            (squares.sum::<f64>() / 12.0).sqrt(),
+        ),
+        (
+            "master curve: largest error of the logarithm of an identified shift",
+            0.0,
+            Within(
+                0.3,
+                "some standard errors of shifts whose logarithm is up to 6",
+            ),
+            largest(errors),
+        ),
+        (
+            "master curve: C_1 minus its true value, in standard errors",
+            0.0,
+            Within(3.0, "three standard errors"),
+            (wlf.c1 - 8.0) / wlf.c1_standard_error,
+        ),
+        (
+            "master curve: C_2 minus its true value, in standard errors",
+            0.0,
+            Within(3.0, "three standard errors"),
+            (wlf.c2 - 180.0) / wlf.c2_standard_error,
+        ),
+        (
+            "master curve of a WLF material: probability of an Arrhenius law",
+            0.0,
+            Within(0.01, "the level at which it is refused"),
+            laws.arrhenius_p_value,
+        ),
+    ] {
+        claims.claim(what, "1", expected, within, Ok(found));
+    }
+}
+
 /// Arrhenius is WLF with C₂ = Tᵣ: the energy is found, and Arrhenius is not refused.
 #[test]
 fn arrhenius_is_kept_where_it_is_true() {
     let law = four_branches();
     let energy = 120e3;
     let (mut refused, mut covered) = (0, 0);
+    let mut claims = Claims::default();
+    claims.by("Arrhenius with 120 kJ/mol; 13 temperatures, noise of 1 %");
     for seed in 0..20 {
-        let sweep = sweep(
-            &|omega| law.at(omega),
-            &|t| arrhenius(energy, t),
-            0.01,
-            seed,
-        );
+        let sweep = sweep(&law, &|t| arrhenius(energy, t), 0.01, seed);
         let curve = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
         let laws = curve.shift_laws().unwrap();
         refused += u32::from(laws.arrhenius_p_value < 0.01);
@@ -142,7 +207,24 @@ fn arrhenius_is_kept_where_it_is_true() {
             let (log_shift, error) = laws.arrhenius.log_shift(temperature).unwrap();
             assert!((log_shift - arrhenius(energy, temperature)).abs() < 4.0 * error);
         }
+        if seed == 0 {
+            claims.claim(
+                "master curve: activation energy minus its true value, in standard errors",
+                "1",
+                0.0,
+                Within(3.0, "three standard errors"),
+                Ok(error / laws.arrhenius.standard_error),
+            );
+            claims.claim(
+                "master curve: activation energy",
+                "J/mol",
+                120e3,
+                Within(2.4e3, "2 %, from moduli of 1 %"),
+                Ok(laws.arrhenius.activation_energy),
+            );
+        }
     }
+    claims.hold("cmod", "it::rheology::sweep::arrhenius");
     assert!(refused <= 2, "{refused}");
     assert!(covered >= 16, "{covered}");
 }
@@ -152,23 +234,12 @@ fn arrhenius_is_kept_where_it_is_true() {
 fn rubber_elasticity_is_taken_out() {
     let law = four_branches();
     let density = |t: f64| 1100.0 * (1.0 - 6e-4 * (t - REFERENCE));
-    let steps: Vec<_> = temperatures()
-        .into_iter()
-        .map(|t| {
-            let (a, b) = (
-                wlf(8.0, 180.0, t).exp(),
-                density(t) * t / density(REFERENCE) / REFERENCE,
-            );
-            let frequency = logarithmic(400.0, 10e3, 16);
-            let modulus = |omega: f64| b * law.at(omega * a);
-            (
-                t,
-                measured(modulus, &frequency, Noise::circular(0.003), t as u64),
-            )
-        })
-        .collect();
+    let factor = |t: f64| density(t) * t / density(REFERENCE) / REFERENCE;
+    let modulus = |omega: f64, t: f64| factor(t) * law.at(omega * wlf(8.0, 180.0, t).exp());
     let densities: Vec<f64> = temperatures().into_iter().map(density).collect();
-    let sweep = TemperatureSweep::new(steps).unwrap();
+    let sweep = swept(&temperatures(), (400.0, 16), &modulus, 0.003, |_, t| {
+        t as u64
+    });
     let with = sweep.clone().with_rubber_elasticity(&densities).unwrap();
     let options = FitOptions::default().with_profiles(false);
     let right = MasterCurve::new(&with, 6, &options).unwrap();
@@ -181,8 +252,7 @@ fn rubber_elasticity_is_taken_out() {
     assert!(found.fit.p_value() > 1e-3, "{found}");
     for shift in &found.shifts {
         let t = shift.temperature;
-        let truth = density(t) * t / density(REFERENCE) / REFERENCE;
-        let error = (shift.vertical / truth).ln();
+        let error = (shift.vertical / factor(t)).ln();
         assert!(
             error.abs() < 4.0 * shift.vertical_standard_error + 1e-9,
             "{t} {shift:?}"
@@ -196,18 +266,11 @@ fn rubber_elasticity_is_taken_out() {
 fn the_data_choose_the_factors_of_rubber_elasticity() {
     let law = four_branches();
     let sweep = |is_entropic: bool, seed: u64| {
-        let steps = temperatures().into_iter().map(|t| {
-            let a = wlf(8.0, 180.0, t).exp();
-            let b = if is_entropic { t / REFERENCE } else { 1.0 };
-            let modulus = |omega: f64| b * law.at(omega * a);
-            let frequency = logarithmic(400.0, 10e3, 16);
-            let noise = Noise::circular(0.05);
-            (
-                t,
-                measured(modulus, &frequency, noise, 1000 * seed + t as u64),
-            )
-        });
-        TemperatureSweep::new(steps.collect()).unwrap()
+        let factor = |t: f64| if is_entropic { t / REFERENCE } else { 1.0 };
+        let modulus = |omega: f64, t: f64| factor(t) * law.at(omega * wlf(8.0, 180.0, t).exp());
+        swept(&temperatures(), (400.0, 16), &modulus, 0.05, |_, t| {
+            1000 * seed + t as u64
+        })
     };
     let options = FitOptions::default().with_profiles(false);
     let of = |sweep: &TemperatureSweep| MasterCurve::new(sweep, 6, &options).unwrap();
@@ -244,17 +307,11 @@ fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
     let of = |sweep: &TemperatureSweep| MasterCurve::new(sweep, 6, &options).unwrap();
     let mut open = 0;
     for seed in 0..8_u64 {
-        let steps = temperatures().into_iter().map(|t| {
-            let (a, b) = (wlf(8.0, 180.0, t).exp(), (t / REFERENCE).sqrt());
-            let modulus = |omega: f64| b * law.at(omega * a);
-            let frequency = logarithmic(400.0, 10e3, 16);
-            let noise = Noise::circular(0.05);
-            (
-                t,
-                measured(modulus, &frequency, noise, 1000 * seed + t as u64),
-            )
+        let modulus =
+            |omega: f64, t: f64| (t / REFERENCE).sqrt() * law.at(omega * wlf(8.0, 180.0, t).exp());
+        let sweep = swept(&temperatures(), (400.0, 16), &modulus, 0.05, |_, t| {
+            1000 * seed + t as u64
         });
-        let sweep = TemperatureSweep::new(steps.collect()).unwrap();
         let found = of(&sweep);
         let Some(choice) = found.factor_choice else {
             continue;
@@ -315,8 +372,7 @@ fn test_6_of_paper_a() {
         accelerometer_mass: 2.9e-3,
     };
     let (c1, c2) = (9.0, 190.0);
-    let mut random = ChaCha8Rng::seed_from_u64(6);
-    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let mut random = noise::Noise::seeded(6);
     let frequency_hz: Vec<f64> = (1..=120).map(|j| 50.0 * f64::from(j)).collect();
     let noise = 3e-3; // of Ψ, each part
     let mut steps = Vec::new();
@@ -344,7 +400,7 @@ fn test_6_of_paper_a() {
             let impacted_end = (mass * rod).inverse().transfer(free_end);
             let psi = impacted_end.velocity / free_end.velocity;
             let sigma = noise * psi.norm();
-            ratio.push(psi + sigma * Complex64::new(normal(), normal()));
+            ratio.push(psi + sigma * Complex64::new(random.normal(), random.normal()));
             variance.push(2.0 * sigma * sigma);
         }
         let estimate = TwoPoint::new(specimen)
@@ -445,21 +501,13 @@ fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
     let seeds: u64 = testbed::noise::draws(40);
     let options = FitOptions::default().with_profiles(false);
+    let temperatures: Vec<f64> = (0..9).map(|k| 313.15 + 10.0 * f64::from(k)).collect();
+    let modulus = |omega: f64, t: f64| law.at(omega * wlf(8.0, 180.0, t).exp());
     for lines in [5, 13] {
         let (mut one, mut two, mut all) = (0.0, 0.0, 0.0);
         for seed in 0..seeds {
-            let steps = (0..9_u32).map(|k| {
-                let temperature = 313.15 + 10.0 * f64::from(k);
-                let a = wlf(8.0, 180.0, temperature).exp();
-                let frequency = logarithmic(300.0, 10e3, lines);
-                let noise = Noise::circular(0.005);
-                let seed = 1000 * seed + u64::from(k);
-                (
-                    temperature,
-                    measured(|omega| law.at(omega * a), &frequency, noise, seed),
-                )
-            });
-            let sweep = TemperatureSweep::new(steps.collect()).unwrap();
+            let seed_of = |k: usize, _: f64| 1000 * seed + k as u64;
+            let sweep = swept(&temperatures, (300.0, lines), &modulus, 0.005, seed_of);
             let curve = MasterCurve::new(&sweep, 4, &options).unwrap();
             assert!(curve.unconnected.is_empty(), "{lines}: {curve}");
             for shift in curve
@@ -490,16 +538,8 @@ fn l6_shifts_cover_with_few_frequencies() {
 fn l3_curves_without_overlap_are_not_shifted() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
     let temperatures = [333.15, 343.15, 353.15, 363.15, 443.15, 453.15];
-    let steps = temperatures.iter().enumerate().map(|(k, temperature)| {
-        let a = wlf(8.0, 180.0, *temperature).exp();
-        let frequency = logarithmic(400.0, 10e3, 16);
-        let noise = Noise::circular(0.003);
-        (
-            *temperature,
-            measured(|omega| law.at(omega * a), &frequency, noise, k as u64),
-        )
-    });
-    let sweep = TemperatureSweep::new(steps.collect()).unwrap();
+    let modulus = |omega: f64, t: f64| law.at(omega * wlf(8.0, 180.0, t).exp());
+    let sweep = swept(&temperatures, (400.0, 16), &modulus, 0.003, |k, _| k as u64);
     let options = FitOptions::default().with_profiles(false);
     let curve = MasterCurve::new(&sweep, 2, &options).unwrap();
     assert_eq!(curve.unconnected, [443.15, 453.15]);
@@ -532,21 +572,14 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
     let options = FitOptions::default().with_profiles(false);
     let (mut covered, mut all, mut without) = (0, 0, 0);
+    let temperatures: Vec<f64> = (0..7).map(|k| 323.15 + 10.0 * f64::from(k)).collect();
     for seed in 0..8_u64 {
         for slope in [0.0, -3e-3] {
-            let steps = (0..7_u32).map(|k| {
-                let temperature = 323.15 + 10.0 * f64::from(k);
-                let a = wlf(8.0, 180.0, temperature).exp();
-                let b = (slope * (temperature - REFERENCE)).exp();
-                let frequency = logarithmic(300.0, 10e3, 13);
-                let noise = Noise::circular(0.005);
-                let seed = 1000 * seed + u64::from(k);
-                (
-                    temperature,
-                    measured(|omega| b * law.at(omega * a), &frequency, noise, seed),
-                )
-            });
-            let sweep = TemperatureSweep::new(steps.collect()).unwrap();
+            let modulus = |omega: f64, t: f64| {
+                (slope * (t - REFERENCE)).exp() * law.at(omega * wlf(8.0, 180.0, t).exp())
+            };
+            let seed_of = |k: usize, _: f64| 1000 * seed + k as u64;
+            let sweep = swept(&temperatures, (300.0, 13), &modulus, 0.005, seed_of);
             let curve = MasterCurve::new(&sweep, 3, &options).unwrap();
             assert!(curve.unconnected.is_empty(), "{curve}");
             if slope == 0.0 {
@@ -584,7 +617,7 @@ fn l4_shift_laws_use_identified_shifts_only() {
     let law = four_branches();
     let (mut left_out, mut covered) = (0, 0);
     for seed in 0..5 {
-        let sweep = sweep(&|omega| law.at(omega), &|t| wlf(8.0, 180.0, t), 0.01, seed);
+        let sweep = sweep(&law, &|t| wlf(8.0, 180.0, t), 0.01, seed);
         let mut curve = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
         let identified = curve
             .shifts
@@ -618,18 +651,14 @@ fn errors_of_temperatures_are_errors_of_shifts_and_curve() {
     let (mut shifts, mut unstated, mut curve_at, mut lines, mut scatter) =
         (0.0, 0.0, 0.0, 0.0, 0.0);
     for seed in 0..seeds {
-        let mut random = ChaCha8Rng::seed_from_u64(70 + seed);
-        let errors: Vec<f64> = temperatures()
-            .iter()
-            .map(|_| kelvin * Distribution::<f64>::sample(&StandardNormal, &mut random))
-            .collect();
+        let errors = noise::Noise::seeded(70 + seed).white(temperatures().len(), kelvin);
         let error_at = |t: f64| {
             let all = temperatures();
             let place = all.iter().position(|known| (known - t).abs() < 1e-9);
             errors[place.unwrap()]
         };
         let shift = |t: f64| wlf(c1, c2, t + error_at(t));
-        let sweep = sweep(&|omega| law.at(omega), &shift, 0.01, seed);
+        let sweep = sweep(&law, &shift, 0.01, seed);
         let plain = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
         scatter += plain.temperature_scatter().unwrap() / seeds as f64;
         let curve = plain.clone().with_temperature_uncertainty(kelvin).unwrap();

@@ -1,3 +1,0 @@
-//! Master curves with known shifts.
-
-mod rheology;
