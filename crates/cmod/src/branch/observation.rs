@@ -437,17 +437,6 @@ mod tests {
         }
     }
 
-    /// Compares each ratio with an independent formula.
-    #[test]
-    fn ratios_are_those_of_the_papers() {
-        for x in phases() {
-            let [value, ..] = EndMass { mass_ratio: 0.2 }.expand(x);
-            assert!((value - x.cosh() - 0.2 * x * x.sinh()).norm() < 1e-13 * value.norm().max(1.0));
-            assert!((FreeEnd.expand(x)[0] - x.cosh()).norm() < 1e-14);
-            assert!((Travel.expand(x)[0] - 1.0 / x.exp()).norm() < 1e-14);
-        }
-    }
-
     /// An iteration that starts nearer to a root than to the neighbouring root finds the nearer
     /// one.
     #[test]

@@ -221,17 +221,6 @@ mod tests {
     }
 
     #[test]
-    fn fewer_readings_than_parameters_are_no_obstacle() {
-        let minimum = infallible(&[0.0, 0.0], |t| Linearised {
-            residual: vec![t[0] + t[1] - 2.0],
-            jacobian: vec![vec![1.0], vec![1.0]],
-        })
-        .unwrap();
-        assert_eq!(minimum.directions.rank(), 1);
-        assert!((minimum.parameters[0] - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
     fn a_start_that_is_no_number_is_no_minimum() {
         let minimum = infallible(&[1.0], |_| Linearised {
             residual: vec![f64::NAN],

@@ -252,49 +252,6 @@ mod tests {
     };
 
     #[test]
-    fn a_load_in_two_parts_is_the_load() {
-        let whole = LoadHistory::creep(32e6, 1800.0).unwrap();
-        let parts = LoadHistory::new(vec![
-            LoadSegment::Constant {
-                stress: 32e6,
-                duration: 700.0,
-            },
-            LoadSegment::Constant {
-                stress: 32e6,
-                duration: 1100.0,
-            },
-        ])
-        .unwrap();
-        let (a, b) = (
-            whole.response(&PAIR).unwrap(),
-            parts.response(&PAIR).unwrap(),
-        );
-        // both results are closed forms, with rounding errors only
-        assert!((a.value - b.value).abs() < 1e-13 * 32e6);
-        assert!((a.by_exponent - b.by_exponent).abs() < 1e-13 * 32e6);
-    }
-
-    #[test]
-    fn the_sign_of_the_load_is_that_of_the_response() {
-        let at = |stress| {
-            let load = LoadHistory::new(vec![
-                LoadSegment::Constant {
-                    stress,
-                    duration: 60.0,
-                },
-                LoadSegment::Ramp {
-                    from: stress,
-                    to: -stress,
-                    duration: 200.0,
-                },
-            ])
-            .unwrap();
-            load.response(&PAIR).unwrap().value
-        };
-        assert_eq!(at(32e6).to_bits(), (-at(-32e6)).to_bits());
-    }
-
-    #[test]
     fn samples_are_joined_by_straight_lines() {
         let load = LoadHistory::from_samples(&[0.0, 1.0, 3.0], &[1e6, 2e6, 0.0]).unwrap();
         assert_eq!(

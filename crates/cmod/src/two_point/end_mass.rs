@@ -371,20 +371,6 @@ mod tests {
         (0..40).map(|j| Complex64::new(0.05 + 0.03 * f64::from(j % 7), 0.4 + 0.37 * f64::from(j)))
     }
 
-    #[test]
-    fn derivative_is_that_of_the_value() {
-        let equation = EndMassEquation {
-            mass_ratio: 0.17,
-            acceleration_ratio: Complex64::new(0.3, -2.0),
-        };
-        for x in roots() {
-            let h = 1e-5;
-            let difference = (equation.value(x + h) - equation.value(x - h)) / (2.0 * h);
-            // The truncation error |x| h²/6 and the rounding error 1e-15/h are both below 1e-9.
-            assert!((difference - equation.derivative(x)).norm() < 1e-9);
-        }
-    }
-
     /// Compares equation 7 with finite differences of exact roots with respect to μ, by five-point
     /// central formulas at μ = 0 (Ödeen 1993, paper A, eqs. 6 and 7).
     #[test]

@@ -134,21 +134,4 @@ mod tests {
         let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
         assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
     }
-
-    /// Three equidistant gauges solve cosh γa = Ψ, whose roots near ka = π are γ and 2πi/a - γ. The
-    /// mirrored point is near the other root, and both minima are exact.
-    #[test]
-    fn the_mirrored_point_leads_to_the_other_root() {
-        let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
-        let gamma = Complex64::new(0.3, 30.9);
-        let line = three_gauges(gamma);
-        let (details, _) = projection.details(gamma, None, &line).unwrap();
-        let other = Complex64::new(0.0, std::f64::consts::TAU / 0.1) - gamma;
-        let mirrored = details.mirrored(gamma);
-        // cosh is nearly a parabola there: its next order is (|other - γ| a/2)²/3 = 0.0012; P adds
-        // a term of the same size
-        assert!((mirrored - other).norm() < 0.01 * (other - gamma).norm());
-        let found = projection.minimise(mirrored, &line).unwrap();
-        assert!((found.gamma - other).norm() < 1e-9 * other.norm());
-    }
 }
