@@ -156,7 +156,6 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::section_ratio::RatioLines;
     use crate::{Specimen, TwoPoint};
 
     /// Compares [`deviation`] and [`deviations`] with the known changes of the modulus from hit to
@@ -180,18 +179,8 @@ mod tests {
             frequency_hz.iter().map(ratio).collect()
         };
         let variance = vec![1e-6; frequency_hz.len()];
-        let estimate = |ratio: &[Complex64]| {
-            let lines = RatioLines {
-                frequency_hz: &frequency_hz,
-                ratio,
-                variance: &variance,
-                freedom: None,
-                coherence: None,
-                common: &[],
-                lines_per_independent_line: 1.0,
-            };
-            method.estimate_ratio(&lines).unwrap()
-        };
+        let estimate =
+            |ratio: &[Complex64]| method.estimate(&frequency_hz, ratio, &variance).unwrap();
         let of_all = ratios(0.0);
         let all = estimate(&of_all);
         assert!(all.valid().count() > 20, "{}", all.valid().count());

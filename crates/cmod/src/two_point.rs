@@ -196,13 +196,13 @@ impl TwoPoint {
         )?;
         let freedom = VarianceFreedom::of_averages(averaged.averages)?;
         self.estimate_ratio(&RatioLines {
-            frequency_hz: averaged.frequency_hz,
-            ratio: averaged.acceleration_ratio,
-            variance: &variance,
             freedom: Some(&vec![freedom; variance.len()]),
             coherence: Some(averaged.coherence),
-            common: &[],
-            lines_per_independent_line: 1.0,
+            ..RatioLines::of_known_variance(
+                averaged.frequency_hz,
+                averaged.acceleration_ratio,
+                &variance,
+            )
         })
     }
 

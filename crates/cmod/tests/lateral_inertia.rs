@@ -62,15 +62,19 @@ fn apparent(ratio: &[Complex64], variance: f64) -> ModulusEstimate {
 
 fn apparent_on(frequency_hz: &[f64], ratio: &[Complex64], variance: f64) -> ModulusEstimate {
     let variance = vec![variance; ratio.len()];
+    pulses(DISTANCE, DENSITY)
+        .with_limits(AcceptanceLimits::NONE)
+        .unwrap()
+        .estimate(frequency_hz, ratio, &variance)
+        .unwrap()
+}
+
+fn pulses(distance: f64, density: f64) -> SeparatePulses {
     SeparatePulses::new(PulsedRod {
-        distance: DISTANCE,
+        distance,
         diameter: DIAMETER,
-        density: DENSITY,
+        density,
     })
-    .unwrap()
-    .with_limits(AcceptanceLimits::NONE)
-    .unwrap()
-    .estimate(frequency_hz, ratio, &variance)
     .unwrap()
 }
 
@@ -188,12 +192,11 @@ fn errors_are_those_of_repeated_draws() {
     };
     let stated = correct(POISSON_RATIO, &ratio);
     let mut random = Noise::seeded(1944);
-    let mut normal = || random.normal();
     let repetitions = 1500;
     let n = stated.modulus().lines().len();
     let (mut of_nu, mut of_noise) = (vec![[0.0; 2]; n], vec![[0.0; 3]; n]);
     for _ in 0..repetitions {
-        let other = correct(POISSON_RATIO + sigma_nu * normal(), &ratio);
+        let other = correct(POISSON_RATIO + sigma_nu * random.normal(), &ratio);
         for ((line, stated), sums) in other
             .modulus()
             .lines()
@@ -205,10 +208,7 @@ fn errors_are_those_of_repeated_draws() {
             sums[0] += error.re * error.re;
             sums[1] += error.im * error.im;
         }
-        let noisy: Vec<Complex64> = ratio
-            .iter()
-            .map(|h| h + (0.5 * variance).sqrt() * Complex64::new(normal(), normal()))
-            .collect();
+        let noisy = random.on(&ratio, &vec![variance; ratio.len()]);
         let other = correct(POISSON_RATIO, &noisy);
         for ((line, stated), sums) in other
             .modulus()
@@ -321,22 +321,14 @@ mod printed {
         let frequency_hz: Vec<f64> = (1..=120).map(|j| 200.0 * f64::from(j) + 2000.0).collect();
         let variance = 1e-8;
         let mut random = Noise::seeded(seed);
-        let mut normal = || random.normal();
+        let exact = |f: &f64| (-gamma(TAU * f) * DISTANCE).exp();
         let ratio: Vec<Complex64> = frequency_hz
             .iter()
-            .map(|f| {
-                let noise = Complex64::new(normal(), normal()) * (0.5_f64 * variance).sqrt();
-                (-gamma(TAU * f) * DISTANCE).exp() + noise
-            })
+            .map(|f| exact(f) + random.circular(variance))
             .collect();
-        SeparatePulses::new(PulsedRod {
-            distance: DISTANCE,
-            diameter: DIAMETER,
-            density: DENSITY,
-        })
-        .unwrap()
-        .estimate(&frequency_hz, &ratio, &vec![variance; ratio.len()])
-        .unwrap()
+        pulses(DISTANCE, DENSITY)
+            .estimate(&frequency_hz, &ratio, &vec![variance; ratio.len()])
+            .unwrap()
     }
 }
 
@@ -456,21 +448,16 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
 fn error_of_the_density_is_that_of_the_corrected_modulus() {
     let ratio = ratios(POISSON_RATIO, &frequencies());
     let corrected = |density: f64| {
-        let estimate = SeparatePulses::new(PulsedRod {
-            distance: DISTANCE,
-            diameter: DIAMETER,
-            density,
-        })
-        .unwrap()
-        .with_limits(AcceptanceLimits::NONE)
-        .unwrap()
-        .with_uncertainty(SectionUncertainty {
-            density: 0.01 * DENSITY,
-            ..SectionUncertainty::default()
-        })
-        .unwrap()
-        .estimate(&frequencies(), &ratio, &vec![1e-8; ratio.len()])
-        .unwrap();
+        let estimate = pulses(DISTANCE, density)
+            .with_limits(AcceptanceLimits::NONE)
+            .unwrap()
+            .with_uncertainty(SectionUncertainty {
+                density: 0.01 * DENSITY,
+                ..SectionUncertainty::default()
+            })
+            .unwrap()
+            .estimate(&frequencies(), &ratio, &vec![1e-8; ratio.len()])
+            .unwrap();
         LateralInertia::new(DIAMETER, density, POISSON_RATIO)
             .unwrap()
             .correct(&estimate)
@@ -559,19 +546,12 @@ fn a_causal_estimate_is_that_of_the_material_behind_the_waves() {
     let variance = vec![1e-6; clean.len()];
     let ratio = Noise::seeded(8).on(&clean, &variance);
     let lines = RatioLines::of_known_variance(&frequency_hz, &ratio, &variance);
-    let method = SeparatePulses::new(PulsedRod {
-        distance: DISTANCE,
-        diameter: DIAMETER,
-        density: DENSITY,
-    })
-    .and_then(|method| {
-        method.with_limits(AcceptanceLimits {
-            storage_modulus: 0.5,
-            loss_factor: 1.0,
-            ..AcceptanceLimits::default()
-        })
-    })
-    .unwrap();
+    let limits = AcceptanceLimits {
+        storage_modulus: 0.5,
+        loss_factor: 1.0,
+        ..AcceptanceLimits::default()
+    };
+    let method = pulses(DISTANCE, DENSITY).with_limits(limits).unwrap();
     let theory = LateralInertia::new(DIAMETER, DENSITY, POISSON_RATIO)
         .and_then(|theory| theory.with_poisson_ratio_uncertainty(0.01))
         .unwrap();

@@ -1,7 +1,7 @@
 //! The tests of papers A and B as in a laboratory: exact histories at the sensors, anti-alias
 //! filter, noise, converter, ten hits, averaged spectra, modulus. The true values are known.
 
-mod coverage;
+pub(crate) mod coverage;
 mod paper_a;
 mod paper_b;
 

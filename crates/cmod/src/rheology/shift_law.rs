@@ -397,9 +397,7 @@ impl Cholesky {
 
 #[cfg(test)]
 mod tests {
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     use super::*;
 
@@ -419,13 +417,11 @@ mod tests {
             })
             .collect();
         let draws = 4000;
-        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut random = Noise::seeded(1);
         let (mut covered, mut by_errors, mut identified) = ([0.0; 2], [0.0; 2], 0.0);
         for _ in 0..draws {
-            let log_shifts = differences.map(|d| {
-                let noise: f64 = StandardNormal.sample(&mut random);
-                -std::f64::consts::LN_10 * c1 * d / (c2 + d) + error * noise
-            });
+            let log_shifts = differences
+                .map(|d| -std::f64::consts::LN_10 * c1 * d / (c2 + d) + error * random.normal());
             let wlf = ShiftLaws::new(353.15, &differences, &log_shifts, &covariance, 1.959_964)
                 .unwrap()
                 .wlf;

@@ -8,15 +8,36 @@ use labio::ratio::pooling::AveragedVariance;
 
 use super::*;
 
+const DISTANCE: f64 = 0.4;
+
+fn of_pulses(
+    frequency_hz: &[f64],
+    ratio: &[Complex64],
+    variance: &[f64],
+    freedom: &[VarianceFreedom],
+) -> ModulusEstimate {
+    let rod = PulsedRod {
+        distance: DISTANCE,
+        diameter: DIAMETER,
+        density: DENSITY,
+    };
+    let lines = RatioLines {
+        freedom: Some(freedom),
+        ..RatioLines::of_known_variance(frequency_hz, ratio, variance)
+    };
+    let method = SeparatePulses::new(rod).unwrap();
+    method.estimate_ratio(&lines).unwrap()
+}
+
 /// Returns the estimate from spectra of few hits, which are drawn directly: a pulse at two sections
 /// with noise in both. The variances are estimated from the hits of each line alone or pooled with
 /// neighbouring lines.
 fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate {
-    let (medium, distance) = (relaxing(), 0.4);
+    let medium = relaxing();
     let frequency_hz: Vec<f64> = (1..=150).map(|j| 60.0 * f64::from(j)).collect();
     let (mut ratio, mut coherence, mut power) = (Vec::new(), Vec::new(), Vec::new());
     for f in &frequency_hz {
-        let passage = (-medium.propagation_coefficient(TAU * f) * distance).exp();
+        let passage = (-medium.propagation_coefficient(TAU * f) * DISTANCE).exp();
         let (mut cross, mut first, mut second) = (Complex64::new(0.0, 0.0), 0.0, 0.0);
         for _ in 0..hits {
             let pulse = 1.0 + random.circular(0.09);
@@ -51,23 +72,7 @@ fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate
     } else {
         (variance, alone)
     };
-    let rod = PulsedRod {
-        distance,
-        diameter: DIAMETER,
-        density: DENSITY,
-    };
-    SeparatePulses::new(rod)
-        .unwrap()
-        .estimate_ratio(&RatioLines {
-            frequency_hz: &frequency_hz,
-            ratio: &ratio,
-            variance: &variance,
-            freedom: Some(&freedom),
-            coherence: None,
-            common: &[],
-            lines_per_independent_line: 1.0,
-        })
-        .unwrap()
+    of_pulses(&frequency_hz, &ratio, &variance, &freedom)
 }
 
 /// At a level of 5 %, at most 6 of 40 correct records may fail: more failures have a probability of
@@ -99,27 +104,16 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
         .iter()
         .map(|line| {
             let wave = 1.0 + 0.01 * (line.frequency_hz / 160.0).sin();
-            (-line.propagation_coefficient * 0.4 * wave).exp()
+            (-line.propagation_coefficient * DISTANCE * wave).exp()
         })
         .collect();
     let freedom = vec![VarianceFreedom::new(40.0, 4.0).unwrap(); ratio.len()];
-    let rod = PulsedRod {
-        distance: 0.4,
-        diameter: DIAMETER,
-        density: DENSITY,
-    };
-    let wavy = SeparatePulses::new(rod)
-        .unwrap()
-        .estimate_ratio(&RatioLines {
-            frequency_hz: &frequency_hz,
-            ratio: &ratio,
-            variance: &vec![NOISE * NOISE; ratio.len()],
-            freedom: Some(&freedom),
-            coherence: None,
-            common: &[],
-            lines_per_independent_line: 1.0,
-        })
-        .unwrap();
+    let wavy = of_pulses(
+        &frequency_hz,
+        &ratio,
+        &vec![NOISE * NOISE; ratio.len()],
+        &freedom,
+    );
     assert!(kramers_kronig(&wavy, 0.01).unwrap().has_failed());
 }
 

@@ -6,10 +6,11 @@ use cmod::multi_point::Quantity;
 use cmod::validity::AcceptanceLimits;
 use cmod::{ModulusLine, MultiPoint, ThreePoint};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
 use rodwave::waves::TravellingWaves;
+
+use crate::virtual_rig::coverage::Coverage;
+use testbed::noise::Noise;
 
 use super::frame::{
     STRUCTURES, Structure, clean, flat, lines, noisy, polypropylene, rod, size, strains,
@@ -17,52 +18,18 @@ use super::frame::{
 
 const SEEDS: u64 = 200;
 
-/// Errors of E' and E'' divided by their standard errors, counted within one and within two.
-#[derive(Default)]
-struct Coverage {
-    one: f64,
-    two: f64,
-    count: f64,
-}
-
-impl Coverage {
-    fn add(&mut self, error: f64, standard_error: f64) {
-        let ratio = error.abs() / standard_error;
-        self.one += f64::from(ratio <= 1.0);
-        self.two += f64::from(ratio <= 2.0);
-        self.count += 1.0;
-    }
-
-    fn add_line(&mut self, line: &ModulusLine) {
-        let exact = polypropylene().modulus(TAU * line.frequency_hz);
-        let error = line.modulus - exact;
-        self.add(error.re, line.standard_error.storage_modulus);
-        self.add(error.im, line.standard_error.loss_modulus);
-    }
-
-    /// Checks for 68.3 % ± 5 % and 95.4 % ± 2 %; the sampling error of 5000 and more is below 0.7
-    /// %.
-    fn check(&self, name: &str) {
-        self.check_within(name, [0.05, 0.02]);
-    }
-
-    fn check_within(&self, name: &str, tolerance: [f64; 2]) {
-        assert!(self.count > 5000.0, "{name}: {} values", self.count);
-        for ((found, expected), tolerance) in [(self.one, 0.683), (self.two, 0.9545)]
-            .into_iter()
-            .zip(tolerance)
-        {
-            let part = found / self.count;
-            assert!(
-                (part - expected).abs() < tolerance,
-                "{name}: {part:.4} for {expected}"
-            );
-        }
-    }
-}
-
+/// Standard errors within which errors are counted.
+const FACTORS: [f64; 2] = [1.0, 2.0];
+/// Fractions of normal errors within [`FACTORS`], with tolerances above the sampling error of 5000
+/// and more, 0.7 %.
+const USUAL: [(f64, f64); 2] = [(0.683, 0.05), (0.9545, 0.02)];
 /// Tolerances for some 25 000 values, which scatter by 0.3 % and 0.13 %: four times each.
-const OF_25_000: [f64; 2] = [0.012, 0.0055];
+const OF_25_000: [(f64, f64); 2] = [(0.683, 0.012), (0.9545, 0.0055)];
+
+fn add(coverage: &mut Coverage, line: &ModulusLine) {
+    let exact = polypropylene().modulus(TAU * line.frequency_hz);
+    coverage.add_with(line, exact, FACTORS);
+}
 
 /// Returns lines from 500 Hz to 8 kHz and the noise of the gauges, relative to the root mean square
 /// of all strains.
@@ -92,9 +59,9 @@ fn closed_form_states_its_errors() {
             let strains = noisy(&spectra, &noise, seed);
             let estimate = method.estimate(&clean(&frequency_hz, &[&strains], &noise));
             let estimate = estimate.unwrap();
-            estimate.valid().for_each(|line| coverage.add_line(line));
+            estimate.valid().for_each(|line| add(&mut coverage, line));
         }
-        coverage.check(&format!("{structure:?}"));
+        coverage.check_within(&format!("{structure:?}"), USUAL);
         if structure == Structure::II {
             coverage.check_within("II", OF_25_000);
         }
@@ -124,7 +91,7 @@ fn least_squares_state_their_errors() {
             result
                 .modulus()
                 .valid()
-                .for_each(|line| coverage.add_line(line));
+                .for_each(|line| add(&mut coverage, line));
             for fit in result.fits() {
                 chi_square += fit.chi_square.unwrap();
                 freedom += fit.degrees_of_freedom as f64;
@@ -134,7 +101,7 @@ fn least_squares_state_their_errors() {
                 misfits += f64::from(line.validity.to_string().contains("misfit"));
             }
         }
-        coverage.check(&format!("{structure:?}"));
+        coverage.check_within(&format!("{structure:?}"), USUAL);
         if structure == Structure::I {
             coverage.check_within("I", OF_25_000);
         }
@@ -167,13 +134,13 @@ fn ten_tests_together_state_their_errors() {
             if !line.validity.is_valid() {
                 continue;
             }
-            coverage.add_line(line);
+            add(&mut coverage, line);
             // the strain at a section beyond the gauges, from the waves of one test
             let found = result.waves(index, 3, 0.6, Quantity::Strain).unwrap();
             let exact = truth(&spectra, &positions, line).at(0.6);
             let error = found.sum() - exact;
-            waves.add(error.re, (0.5 * found.sum_variance()).sqrt());
-            waves.add(error.im, (0.5 * found.sum_variance()).sqrt());
+            let stated = (0.5 * found.sum_variance()).sqrt();
+            waves.add_error(error, [stated; 2], FACTORS);
             // each wave is converted to a velocity: v = iω u, ε = -γu for P and γu for N
             let found = result.waves(index, 3, 0.1, Quantity::Velocity).unwrap();
             let exact = truth(&spectra, &positions, line);
@@ -181,13 +148,14 @@ fn ten_tests_together_state_their_errors() {
             let velocity = Complex64::new(0.0, TAU * line.frequency_hz) / gamma;
             let forward = found.forward + velocity * exact.forward_at(0.1);
             let backward = found.backward - velocity * exact.backward_at(0.1);
-            single.add(forward.re, (0.5 * found.forward_variance).sqrt());
-            single.add(backward.im, (0.5 * found.backward_variance).sqrt());
+            let stated = [found.forward_variance, found.backward_variance];
+            let stated = stated.map(|variance| (0.5 * variance).sqrt());
+            single.add_error(Complex64::new(forward.re, backward.im), stated, FACTORS);
         }
     }
-    coverage.check("modulus");
-    waves.check("sum of the waves");
-    single.check("single waves");
+    coverage.check_within("modulus", USUAL);
+    waves.check_within("sum of the waves", USUAL);
+    single.check_within("single waves", USUAL);
 }
 
 /// Returns the waves of the strain, from the gauges without noise and the exact γ.
@@ -219,7 +187,7 @@ fn the_branch_survives_bad_lines() {
         let mut strains = noisy(&spectra, &noise, seed);
         let nothing = vec![vec![Complex64::ZERO; frequency_hz.len()]; 5];
         let bad_lines = noisy(&nothing, &rubbish, 100 + seed);
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = Noise::seeded(seed).0;
         let chance = Uniform::new(0.0, 1.0).unwrap();
         let bad: Vec<bool> = frequency_hz
             .iter()

@@ -1,6 +1,7 @@
 //! Two or more gauges before a free end, and records that end while the bar still vibrates.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use cmod::estimate::{ErrorSource, Refusal};
 use cmod::multi_point::Quantity;
@@ -12,7 +13,10 @@ use testbed::claim::{Claims, Within};
 use testbed::hold;
 use testbed::long_bar::LongBar;
 
-const WIDE: AcceptanceLimits = AcceptanceLimits {
+/// Number of samples before the hit.
+const SILENT: usize = 225;
+
+pub(super) const WIDE: AcceptanceLimits = AcceptanceLimits {
     storage_modulus: 0.5,
     loss_factor: 1.0,
     ..AcceptanceLimits::ONE_DIMENSIONAL
@@ -197,18 +201,23 @@ fn added_damping(claims: &mut Claims) {
 
 /// Spectra of a shot on the line s. They begin at the end of the silence before the wave, which
 /// gives the noise.
-struct Shot {
-    frequency_hz: Vec<f64>,
-    spectra: Vec<Vec<Complex64>>,
-    noise: Vec<Vec<f64>>,
+pub(super) struct Shot {
+    pub(super) frequency_hz: Vec<f64>,
+    pub(super) spectra: Vec<Vec<Complex64>>,
+    pub(super) noise: Vec<Vec<f64>>,
 }
 
 impl Shot {
-    fn of(bar: &LongBar, gains: &[f64], seed: u64, damping: f64) -> Self {
-        let rows = bar.shot(gains, seed);
-        let n_silent = (0.9e-3 * bar.rate) as usize;
+    /// Transforms the histories `rows` of a bar, which are silent for `n_silent` samples.
+    pub(super) fn of(
+        bar: &LongBar,
+        rows: &[Vec<f64>],
+        n_silent: usize,
+        lines: Range<u32>,
+        damping: f64,
+    ) -> Self {
         let duration = (bar.n_samples - n_silent) as f64 / bar.rate;
-        let frequency_hz: Vec<f64> = (5..110).map(|line| f64::from(line) / duration).collect();
+        let frequency_hz: Vec<f64> = lines.map(|line| f64::from(line) / duration).collect();
         let transform = |row: &Vec<f64>, f: &f64| -> Complex64 {
             let turn = (-Complex64::new(damping, TAU * f) / bar.rate).exp();
             // Horner's rule
@@ -271,7 +280,13 @@ fn one_shot_on_a_ringing_bar_is_covered() {
     let mut count = 0.0;
     for seed in 0..40 {
         let gain = 0.03 * (f64::from(seed) / 13.0 - 1.5);
-        let shot = Shot::of(&bar, &[1.0, 1.0 + gain], u64::from(seed as u32), damping);
+        let shot = Shot::of(
+            &bar,
+            &bar.shot(&[1.0, 1.0 + gain], u64::from(seed as u32)),
+            SILENT,
+            5..110,
+            damping,
+        );
         let found = shot.calibrated(0.03, damping);
         let of_gain = found.sources()[0];
         assert_eq!(of_gain.source, ErrorSource::GaugeFactor(1));
@@ -304,7 +319,8 @@ fn one_shot_on_a_ringing_bar_is_covered() {
 #[test]
 fn uncertain_density_does_not_move_the_modulus() {
     let damping = 1100.0;
-    let shot = Shot::of(&LongBar::glassy(), &[1.0, 1.02], 3, damping);
+    let bar = LongBar::glassy();
+    let shot = Shot::of(&bar, &bar.shot(&[1.0, 1.02], 3), SILENT, 5..110, damping);
     let exact = shot.calibrated(0.03, damping);
     let uncertain = shot.calibrated_with(0.03, damping, 35.0);
     let mut sources = uncertain.sources().iter();

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use cmod::validity::AcceptanceLimits;
 use cmod::{GaugeSpectra, GaugedRod, MultiPoint};
 use num_complex::Complex64;
 use testbed::long_bar::LongBar;
+
+use super::free_end::{Shot, WIDE};
 
 /// Gauges 1.0 and 0.6 m before the free end. With polypropylene the derivative of sinh γd₁/sinh γd₂
 /// vanishes near 2.5 kHz, at γ = (1.33 + 10.67i)/m, 0.2/m from the γ of the bar.
@@ -23,7 +24,7 @@ fn polypropylene(s: Complex64) -> Complex64 {
 }
 
 /// Returns the lines from 1 to 6.6 kHz of a shot, and the noise of each gauge.
-fn shot(seed: u64) -> (Vec<f64>, Vec<Vec<Complex64>>, Vec<Vec<f64>>) {
+fn shot(seed: u64) -> Shot {
     let bar = LongBar {
         modulus: polypropylene,
         density: 912.0,
@@ -33,23 +34,7 @@ fn shot(seed: u64) -> (Vec<f64>, Vec<Vec<Complex64>>, Vec<Vec<f64>>) {
         noise: 1e-4,
         ..LongBar::glassy()
     };
-    let rows = bar.shot(&[1.0; 2], seed);
-    let duration = (bar.n_samples - SILENT) as f64 / bar.rate;
-    let frequency_hz: Vec<f64> = (11..73).map(|line| f64::from(line) / duration).collect();
-    let transform = |row: &[f64], f: &f64| -> Complex64 {
-        let turn = (-Complex64::new(DAMPING, TAU * f) / bar.rate).exp();
-        // Horner's rule
-        let samples = row[SILENT..].iter().rev();
-        samples.fold(Complex64::ZERO, |sum, x| sum * turn + x) / bar.rate
-    };
-    let of_row = |row: &Vec<f64>| frequency_hz.iter().map(|f| transform(row, f)).collect();
-    let spectra = rows.iter().map(of_row).collect();
-    let amplitude = |row: &Vec<f64>| {
-        let power = row[..SILENT].iter().map(|x| x * x).sum::<f64>() / SILENT as f64;
-        vec![(power / bar.rate / (2.0 * DAMPING)).sqrt(); frequency_hz.len()]
-    };
-    let noise = rows.iter().map(amplitude).collect();
-    (frequency_hz, spectra, noise)
+    Shot::of(&bar, &bar.shot(&[1.0; 2], seed), SILENT, 11..73, DAMPING)
 }
 
 /// On about 30 % of the shots the iteration alone converges to the other root at 2.45 kHz, whose E'
@@ -61,23 +46,18 @@ fn no_valid_line_has_the_other_root() {
         diameter: 0.02,
         density: 912.0,
     };
-    let limits = AcceptanceLimits {
-        storage_modulus: 0.5,
-        loss_factor: 1.0,
-        ..AcceptanceLimits::ONE_DIMENSIONAL
-    };
     let method = MultiPoint::before_free_end(rod, FREE_END)
-        .and_then(|method| method.with_limits(limits))
+        .and_then(|method| method.with_limits(WIDE))
         .and_then(|method| method.with_added_damping(DAMPING))
         .unwrap();
     let (mut count, mut near) = (0, 0);
     for seed in 0..24 {
-        let (frequency_hz, spectra, noise) = shot(seed);
+        let shot = shot(seed);
         let estimate = method
             .estimate(&GaugeSpectra {
-                frequency_hz: &frequency_hz,
-                tests: &[&spectra],
-                noise: &noise,
+                frequency_hz: &shot.frequency_hz,
+                tests: &[&shot.spectra],
+                noise: &shot.noise,
             })
             .unwrap();
         for line in estimate.modulus().valid() {

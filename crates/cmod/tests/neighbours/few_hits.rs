@@ -11,14 +11,16 @@ use cmod::{
 };
 use num_complex::Complex64;
 
-use super::rod::{DENSITY, DIAMETER, polypropylene, with_end_mass};
+use super::rod::{DENSITY, DIAMETER, lines, polypropylene, with_end_mass};
+
+const PULSED: PulsedRod = PulsedRod {
+    distance: 0.4,
+    diameter: DIAMETER,
+    density: DENSITY,
+};
 
 fn gamma(frequency_hz: f64) -> Complex64 {
     polypropylene().propagation_coefficient(TAU * frequency_hz)
-}
-
-fn lines(count: u32, step_hz: f64) -> Vec<f64> {
-    (1..=count).map(|j| step_hz * f64::from(j)).collect()
 }
 
 /// Returns the estimate from a ratio with a relative error of 0.1 % on every line, with four
@@ -73,12 +75,7 @@ fn r14_every_method_of_a_ratio_carries_degrees_of_freedom() {
         |lines| free_end.estimate_ratio(lines),
     );
     assert_freedom(&found, 4.0, "free end");
-    let rod_of_pulses = PulsedRod {
-        distance: 0.4,
-        diameter: DIAMETER,
-        density: DENSITY,
-    };
-    let pulses = SeparatePulses::new(rod_of_pulses).unwrap();
+    let pulses = SeparatePulses::new(PULSED).unwrap();
     let found = estimate(
         &frequency_hz,
         |gamma| (-0.4 * gamma).exp(),
@@ -179,11 +176,6 @@ fn r14_noise_of_gauges_carries_degrees_of_freedom() {
 /// the material.
 #[test]
 fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
-    let rod = PulsedRod {
-        distance: 0.4,
-        diameter: DIAMETER,
-        density: DENSITY,
-    };
     // delay of the centre of energy of a pulse of some kilohertz, over 0.4 m at 1700 m/s
     let delay = 0.4 * gamma(3000.0).im / (TAU * 3000.0);
     let one_dimensional = cmod::validity::AcceptanceLimits {
@@ -199,7 +191,7 @@ fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
         let variance = vec![1e-8; ratio.len()];
         // the centre of energy is known to a sixth of the record
         for error in [-0.15, 0.0, 0.15] {
-            let method = SeparatePulses::new(rod).unwrap();
+            let method = SeparatePulses::new(PULSED).unwrap();
             let method = method.with_limits(one_dimensional).unwrap();
             let method = method.with_delay(delay * (1.0 + error)).unwrap();
             let gauge = OneGauge::new(
@@ -235,7 +227,7 @@ fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
             }
         }
     }
-    let refused = SeparatePulses::new(rod).unwrap().with_delay(0.0);
+    let refused = SeparatePulses::new(PULSED).unwrap().with_delay(0.0);
     assert_eq!(
         refused.unwrap_err().to_string(),
         "delay of the later pulse [s] is 0, expected a finite value above 0"

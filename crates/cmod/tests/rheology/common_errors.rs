@@ -12,11 +12,9 @@ use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::AcceptanceLimits;
 use cmod::{Specimen, TwoPoint};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::measured::{Noise, logarithmic, measured};
+use testbed::noise;
 
 const BELIEVED: Specimen = Specimen {
     length: 0.4,
@@ -46,14 +44,13 @@ fn frequencies() -> Vec<f64> {
 
 /// Returns the ratio of the accelerations of both ends of a rod without lateral inertia, with
 /// noise.
-fn ratio(specimen: &Specimen, variance: f64, normal: &mut impl FnMut() -> f64) -> Vec<Complex64> {
+fn ratio(specimen: &Specimen, variance: f64, random: &mut noise::Noise) -> Vec<Complex64> {
     let area = 0.25 * PI * specimen.diameter * specimen.diameter;
     let mass_ratio = specimen.accelerometer_mass / (specimen.density * area * specimen.length);
     let of_line = |f: f64| {
         let x =
             Complex64::I * TAU * f * specimen.length * (specimen.density / zener(TAU * f)).sqrt();
-        let noise = Complex64::new(normal(), normal()) * (0.5 * variance).sqrt();
-        x.cosh() + mass_ratio * x * x.sinh() + noise
+        x.cosh() + mass_ratio * x * x.sinh() + random.circular(variance)
     };
     frequencies().into_iter().map(of_line).collect()
 }
@@ -87,11 +84,12 @@ fn fit_of(ratio: &[Complex64], variance: f64) -> RheologicalFit {
     RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap()
 }
 
-fn drawn(uncertainty: &SpecimenUncertainty, normal: &mut impl FnMut() -> f64) -> Specimen {
+fn drawn(uncertainty: &SpecimenUncertainty, random: &mut noise::Noise) -> Specimen {
     Specimen {
-        length: BELIEVED.length + uncertainty.length * normal(),
-        density: BELIEVED.density + uncertainty.density * normal(),
-        accelerometer_mass: BELIEVED.accelerometer_mass + uncertainty.accelerometer_mass * normal(),
+        length: BELIEVED.length + uncertainty.length * random.normal(),
+        density: BELIEVED.density + uncertainty.density * random.normal(),
+        accelerometer_mass: BELIEVED.accelerometer_mass
+            + uncertainty.accelerometer_mass * random.normal(),
         ..BELIEVED
     }
 }
@@ -107,13 +105,12 @@ fn the_right_law_is_not_refused_for_what_an_uncertain_mass_bends() {
         accelerometer_mass: 0.03 * BELIEVED.accelerometer_mass,
         ..UNCERTAINTY
     };
-    let mut random = ChaCha8Rng::seed_from_u64(5);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let mut random = noise::Noise::seeded(5);
     let (mut refused, mut refused_as_exact, mut coloured) = (0, 0, 0);
     let (mut branched, mut chi_squared) = (0, 0.0);
     for _ in 0..repetitions {
-        let specimen = drawn(&uncertainty, &mut normal);
-        let record = ratio(&specimen, variance, &mut normal);
+        let specimen = drawn(&uncertainty, &mut random);
+        let record = ratio(&specimen, variance, &mut random);
         let data = data_of(&record, variance, uncertainty);
         let of = |law| RheologicalFit::new(&data, law, &FitOptions::default()).unwrap();
         let as_exact = data_of(&record, variance, SpecimenUncertainty::default());
@@ -145,13 +142,12 @@ fn the_right_law_is_not_refused_for_what_an_uncertain_mass_bends() {
 fn r23_parameters_cover_the_truth_of_drawn_specimens() {
     let repetitions = 200;
     let variance = 1e-5;
-    let mut random = ChaCha8Rng::seed_from_u64(23);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let mut random = noise::Noise::seeded(23);
     let (mut covered, mut by_random) = ([0; 3], [0; 3]);
     let (mut predicted, mut chi_squared) = (0, 0.0);
     for _ in 0..repetitions {
-        let specimen = drawn(&UNCERTAINTY, &mut normal);
-        let fit = fit_of(&ratio(&specimen, variance, &mut normal), variance);
+        let specimen = drawn(&UNCERTAINTY, &mut random);
+        let fit = fit_of(&ratio(&specimen, variance, &mut random), variance);
         for (index, (parameter, truth)) in fit.parameters.iter().zip(TRUTH).enumerate() {
             assert_eq!(parameter.scale, Scale::Ratio);
             covered[index] += i32::from(parameter.interval.contains(truth));

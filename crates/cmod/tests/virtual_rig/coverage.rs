@@ -52,10 +52,17 @@ impl Coverage {
     /// Checks for 68 % ± 5 % and 95 % ± 2 %, the required accuracy of stated errors. The sampling
     /// error of 4000 or more independent values is below 0.8 %.
     pub(crate) fn check(&self, name: &str) {
-        let (one, two) = self.parts();
+        self.check_within(name, [(0.683, 0.05), (0.95, 0.02)]);
+    }
+
+    /// Checks for two expected fractions with their tolerances.
+    pub(crate) fn check_within(&self, name: &str, expected: [(f64, f64); 2]) {
         assert!(self.count > 4000.0, "{name}: {} values", self.count);
-        assert!((one - 0.683).abs() < 0.05, "{name}: {one:.3} within 68 %");
-        assert!((two - 0.95).abs() < 0.02, "{name}: {two:.3} within 95 %");
+        let (one, two) = self.parts();
+        for (part, (expected, tolerance)) in [one, two].into_iter().zip(expected) {
+            let error = (part - expected).abs();
+            assert!(error < tolerance, "{name}: {part:.4} for {expected}");
+        }
     }
 
     /// Checks that E' is within 1 % and the loss factor within 5 %.
