@@ -4,7 +4,7 @@ use cmod::branch::{BranchDoubt, BranchTracker};
 use rodwave::chain::{AngularFrequency, WaveMedium};
 use rodwave::medium::{Medium, PropagationLaw};
 
-use super::rig::{Clean, is_silently_wrong, rods_of_paper_a};
+use super::rig::{Clean, is_doubted, rods_of_paper_a};
 use crate::materials::{flat, polyamide};
 
 const SEEDS: u64 = 50;
@@ -23,34 +23,23 @@ where
 {
     let rod = rods_of_paper_a()[test - 1];
     let clean = Clean::of(medium, rod, lines());
-    let observation = rod.observation();
     let (mut inside, mut sure) = (0, 0);
     for seed in 1..=SEEDS {
         let measured = clean.measured(0.05, 0.2, 1000 * seed + test as u64);
-        let tracked = BranchTracker::new()
-            .track(&[measured.record(&clean, &observation)])
-            .unwrap();
-        for (index, line) in tracked.records[0].iter().enumerate() {
-            let observed = measured.observed[index];
-            if !observed.is_finite() {
+        let lines = &measured.tracked(&BranchTracker::new(), &clean).records[0];
+        let label = format!("{name}, test {test}, seed {seed}");
+        assert_eq!(measured.silently_wrong(&clean, lines), None, "{label}");
+        for (index, line) in lines.iter().enumerate() {
+            if !measured.observed[index].is_finite() {
                 assert_eq!(line.root, None);
                 continue;
             }
-            let label = format!(
-                "{name}, test {test}, seed {seed}, {} Hz",
-                clean.frequency_hz[index]
-            );
-            assert!(
-                !is_silently_wrong(line, &observation, clean.exact[index], observed),
-                "{label}: {line:?} instead of {}",
-                clean.exact[index]
-            );
             // the smooth curve is on the right branch on every line
             let off = (line.expected - clean.exact[index]).norm();
-            assert!(off < 0.6, "{label}: {off}");
+            assert!(off < 0.6, "{label}, line {index}: {off}");
             if clean.is_inside(index) {
                 inside += 1;
-                sure += usize::from(!line.doubt.is_some_and(|doubt| doubt.is_ambiguous()));
+                sure += usize::from(!is_doubted(line));
             }
         }
     }
@@ -97,19 +86,13 @@ fn noise_that_is_not_told_is_found() {
             for variance in [None, Some(&told[..])] {
                 record.variance = variance;
                 let tracked = BranchTracker::new().track(&[record]).unwrap();
-                let mut doubted = 0;
-                for (line, (exact, observed)) in tracked.records[0]
-                    .iter()
-                    .zip(clean.exact.iter().zip(&measured.observed))
-                {
-                    if observed.is_finite() {
-                        let wrong = is_silently_wrong(line, &observation, *exact, *observed);
-                        assert!(!wrong, "test {}, seed {seed}: {line:?}", index + 1);
-                        doubted +=
-                            usize::from(line.doubt.is_some_and(|doubt| doubt.is_ambiguous()));
-                    }
-                }
-                assert!(doubted < 200, "test {}: {doubted}", index + 1);
+                let lines = &tracked.records[0];
+                let label = format!("test {}, seed {seed}", index + 1);
+                assert_eq!(measured.silently_wrong(&clean, lines), None, "{label}");
+                let observed = lines.iter().zip(&measured.observed);
+                let observed = observed.filter(|(_, ratio)| ratio.is_finite());
+                let doubted = observed.filter(|(line, _)| is_doubted(line)).count();
+                assert!(doubted < 200, "{label}: {doubted}");
                 if variance.is_some() {
                     // the lower limit of the noise, 1e-4, is a tenth of the stated noise
                     let factor = tracked.noise_factor;
@@ -127,19 +110,11 @@ fn noise_that_is_not_told_is_found() {
 fn disorder_is_noticed() {
     let rod = rods_of_paper_a()[5];
     let clean = Clean::of(&flat(rod.density, 0.07), rod, lines());
-    let observation = rod.observation();
     let mut measured = clean.measured(0.01, 0.0, 7);
     let strange = clean.measured(2.0, 0.0, 8);
     measured.observed[320..450].copy_from_slice(&strange.observed[320..450]);
-    let tracked = BranchTracker::new()
-        .track(&[measured.record(&clean, &observation)])
-        .unwrap();
-    let lines = &tracked.records[0];
-    for (index, line) in lines.iter().enumerate() {
-        let observed = measured.observed[index];
-        let wrong = is_silently_wrong(line, &observation, clean.exact[index], observed);
-        assert!(!wrong, "{index}: {line:?}");
-    }
+    let lines = &measured.tracked(&BranchTracker::new(), &clean).records[0];
+    assert_eq!(measured.silently_wrong(&clean, lines), None);
     let erratic = |line: &&cmod::branch::TrackedLine| {
         matches!(line.doubt, Some(BranchDoubt::Erratic { .. })) && line.confidence < 0.5
     };

@@ -26,6 +26,23 @@ struct Reliability {
     wrong: f64,
 }
 
+impl Reliability {
+    /// Checks that each bin has more than `least` lines, and that the fraction of right lines
+    /// differs from the stated one by less than three standard errors of a fraction and a margin.
+    fn check(&self, least: f64, below: f64, above: f64) {
+        for (edge, bin) in EDGES.iter().zip(&self.bins) {
+            let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
+            assert!(bin.count > least, "from {edge}: {} lines", bin.count);
+            let scatter = 3.0 * (stated * (1.0 - stated) / bin.count).sqrt();
+            assert!(
+                stated - scatter - below < right && right < stated + scatter + above,
+                "from {edge}: {right:.3} of {} lines are right, {stated:.3} stated",
+                bin.count
+            );
+        }
+    }
+}
+
 /// Collects the lines of records of random materials, rods, noise and gaps, in which kL advances
 /// from line to line by an amount between two limits.
 fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliability {
@@ -52,9 +69,7 @@ fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliabil
         let clean = Clean::of(&medium, rod, lines);
         let measured = clean.measured(noise, missing, seed);
         let observation = rod.observation();
-        let tracked = BranchTracker::new()
-            .track(&[measured.record(&clean, &observation)])
-            .unwrap();
+        let tracked = measured.tracked(&BranchTracker::new(), &clean);
         for (line, (exact, observed)) in tracked.records[0]
             .iter()
             .zip(clean.exact.iter().zip(&measured.observed))
@@ -80,18 +95,8 @@ fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliabil
 #[test]
 fn of_lines_with_confidence_p_a_share_p_is_right() {
     let found = reliability((0.01, 0.05), 0.3, 600);
-    for (edge, bin) in EDGES.iter().zip(found.bins) {
-        let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
-        assert!(bin.count > 200.0, "from {edge}: {} lines", bin.count);
-        // The tolerance is three standard errors of a fraction, and 0.05 because the filter allows
-        // the smooth curve of any material more variation than these materials have.
-        let tolerance = 3.0 * (stated * (1.0 - stated) / bin.count).sqrt() + 0.05;
-        assert!(
-            (right - stated).abs() < tolerance,
-            "from {edge}: {right:.3} of {} lines are right, {stated:.3} stated",
-            bin.count
-        );
-    }
+    // The filter allows the smooth curve of any material more variation than these materials have.
+    found.check(200.0, 0.05, 0.05);
     // The number of wrong lines among all lines must equal the sum of their probabilities of being
     // wrong.
     let ratio = found.wrong / found.expected_wrong;
@@ -103,15 +108,6 @@ fn of_lines_with_confidence_p_a_share_p_is_right() {
 #[test]
 fn lines_far_apart_are_not_trusted_too_much() {
     let found = reliability((0.05, 0.4), 0.5, 400);
-    for (edge, bin) in EDGES.iter().zip(found.bins) {
-        let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
-        assert!(bin.count > 100.0, "from {edge}: {} lines", bin.count);
-        let tolerance = 3.0 * (stated * (1.0 - stated) / bin.count).sqrt() + 0.02;
-        assert!(
-            right > stated - tolerance,
-            "from {edge}: {right:.3} of {} lines are right, {stated:.3} stated",
-            bin.count
-        );
-    }
+    found.check(100.0, 0.02, f64::INFINITY);
     assert!(found.wrong < 1.1 * found.expected_wrong);
 }

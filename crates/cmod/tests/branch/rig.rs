@@ -2,7 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use cmod::branch::{EndMass, PhaseObservation, PhaseRecord, TrackedLine};
+use cmod::branch::{
+    BranchTracker, EndMass, PhaseObservation, PhaseRecord, TrackedBranches, TrackedLine,
+};
 use num_complex::Complex64;
 use rand::RngExt;
 use rodwave::chain::{AngularFrequency, WaveMedium};
@@ -129,6 +131,29 @@ impl Measured {
             variance: Some(&self.variance),
         }
     }
+
+    /// Tracks the record alone.
+    pub(crate) fn tracked(&self, tracker: &BranchTracker, clean: &Clean) -> TrackedBranches {
+        let observation = clean.rod.observation();
+        tracker.track(&[self.record(clean, &observation)]).unwrap()
+    }
+
+    /// Describes the first line that is wrong and not doubted.
+    pub(crate) fn silently_wrong(&self, clean: &Clean, lines: &[TrackedLine]) -> Option<String> {
+        let observation = clean.rod.observation();
+        let known = clean.exact.iter().zip(&self.observed);
+        lines
+            .iter()
+            .zip(known)
+            .find_map(|(line, (exact, observed))| {
+                let right = is_right(&observation, line.root?, *exact, *observed);
+                (!right && !is_doubted(line)).then(|| format!("{line:?} instead of {exact}"))
+            })
+    }
+}
+
+pub(crate) fn is_doubted(line: &TrackedLine) -> bool {
+    line.doubt.is_some_and(|doubt| doubt.is_ambiguous())
 }
 
 /// Returns true if a root is the root nearest to the exact γL.
@@ -162,17 +187,4 @@ pub(crate) fn is_right(
     }
     let (here, there) = ((root - exact).norm(), (reflected - exact).norm());
     here < 1.5 && (here <= there || (root - reflected).norm() < 0.005)
-}
-
-pub(crate) fn is_silently_wrong(
-    line: &TrackedLine,
-    observation: &EndMass,
-    exact: Complex64,
-    observed: Complex64,
-) -> bool {
-    let flagged = line.doubt.is_some_and(|doubt| doubt.is_ambiguous());
-    let right = line
-        .root
-        .is_none_or(|root| is_right(observation, root, exact, observed));
-    !right && !flagged
 }

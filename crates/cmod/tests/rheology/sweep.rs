@@ -499,7 +499,7 @@ fn sweeps_that_cannot_be() {
 #[test]
 fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
-    let seeds: u64 = testbed::noise::draws(40);
+    let seeds: u64 = noise::draws(40);
     let options = FitOptions::default().with_profiles(false);
     let temperatures: Vec<f64> = (0..9).map(|k| 313.15 + 10.0 * f64::from(k)).collect();
     let modulus = |omega: f64, t: f64| law.at(omega * wlf(8.0, 180.0, t).exp());
