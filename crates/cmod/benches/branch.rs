@@ -13,9 +13,7 @@ use std::hint::black_box;
 use cmod::branch::{BranchTracker, EndMass, FreeEnd, PhaseObservation, PhaseRecord};
 use criterion::{Criterion, criterion_group, criterion_main};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::noise::Noise;
 
 const LINES: usize = 4096;
 const LENGTH: f64 = 0.8;
@@ -30,8 +28,7 @@ struct Lines {
 
 impl Lines {
     fn of(observation: &dyn PhaseObservation, first: f64, count: usize) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+        let mut random = Noise::seeded(1);
         let step = 5.0 * LINES as f64 / count as f64;
         let frequency_hz: Vec<f64> = (1..=count).map(|j| first + step * j as f64).collect();
         let observed: Vec<Complex64> = frequency_hz
@@ -39,8 +36,7 @@ impl Lines {
             .map(|f| {
                 let gamma = Complex64::new(0.035, 1.0) * (TAU * f / 1680.0);
                 let [ratio, ..] = observation.expand(gamma * LENGTH);
-                let error = Complex64::new(normal(), normal()) * (NOISE * 0.5_f64.sqrt());
-                ratio + ratio.norm() * error
+                ratio + random.circular(NOISE * NOISE * ratio.norm_sqr())
             })
             .collect();
         let variance = observed

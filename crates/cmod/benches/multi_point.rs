@@ -12,21 +12,18 @@ use std::hint::black_box;
 use cmod::{GaugeSpectra, GaugedRod, MultiPoint, ThreePoint};
 use criterion::{Criterion, criterion_group, criterion_main};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::noise::Noise;
 
 const LINES: usize = 4096;
 const NOISE: f64 = 0.01;
 
 /// Returns the spectra of two waves in polypropylene at the gauges, with 1 % noise.
 fn spectra(positions: &[f64], frequency_hz: &[f64]) -> Vec<Vec<Complex64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let mut random = Noise::seeded(1);
     let mut spectrum = |x: &f64| {
         let value = |f: &f64| {
             let gamma = Complex64::new(0.035, 1.0) * (TAU * f / 1680.0);
-            let noise = Complex64::new(normal(), normal()) * (NOISE * 0.5_f64.sqrt());
+            let noise = random.circular(NOISE * NOISE);
             (-gamma * x).exp() - (-gamma * (0.9 - x)).exp() + noise
         };
         frequency_hz.iter().map(value).collect()

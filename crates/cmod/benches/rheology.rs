@@ -15,24 +15,21 @@ use cmod::rheology::{
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::modulus::{
     ComplexModulus, FractionalZener, GeneralisedMaxwell, HavriliakNegami, MaxwellBranch,
 };
+use testbed::noise::Noise;
 
 /// Lines at equal ratios of frequency with 1 % of noise.
 fn measured(law: &dyn Fn(f64) -> Complex64, from: f64, to: f64, lines: u32) -> ModulusData {
-    let mut random = ChaCha8Rng::seed_from_u64(u64::from(lines));
-    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let mut random = Noise::seeded(u64::from(lines));
     let step = (to / from).ln() / f64::from(lines - 1);
     let points: Vec<_> = (0..lines)
         .map(|j| {
             let frequency_hz = from * (step * f64::from(j)).exp();
             let modulus = law(TAU * frequency_hz);
             let sigma = 0.01 * modulus.norm();
-            let noise = sigma * Complex64::new(normal(), normal());
+            let noise = random.circular(2.0 * sigma * sigma);
             ModulusPoint::circular(frequency_hz, modulus + noise, sigma)
         })
         .collect();

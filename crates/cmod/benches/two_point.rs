@@ -14,9 +14,7 @@ use cmod::two_point::{AveragedRatio, SpecimenUncertainty};
 use cmod::{Solver, Specimen, TwoPoint};
 use criterion::{Criterion, criterion_group, criterion_main};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use testbed::noise::Noise;
 
 const LINES: usize = 4096;
 const NOISE: f64 = 3e-3;
@@ -37,15 +35,14 @@ impl Test {
             density: 912.0,
             accelerometer_mass: 2.9e-3,
         };
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+        let mut random = Noise::seeded(1);
         let frequency_hz: Vec<f64> = (1..=lines)
             .map(|j| 20e3 / lines as f64 * j as f64)
             .collect();
         let ratio = frequency_hz.iter().map(|f| {
             let x = Complex64::new(0.035, 1.0) * (TAU * f / 1680.0 * specimen.length);
             let ratio = x.cosh() + specimen.mass_ratio() * x * x.sinh();
-            ratio * (1.0 + Complex64::new(normal(), normal()) * (NOISE * 0.5_f64.sqrt()))
+            ratio * (1.0 + random.circular(NOISE * NOISE))
         });
         Self {
             specimen,

@@ -19,10 +19,8 @@ use cmod::recovery::fit::{ErrorScale, RecoveryFit, SeriesModulus, paper_procedur
 use cmod::recovery::{
     LoadHistory, LoadSegment, LossFactorReadings, RecoveryTest, ThreeElementParameters,
 };
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
+use testbed::noise::Noise;
 
 const FREQUENCY_HZ: f64 = 10e3;
 const VIRGIN_LOSS_FACTOR: f64 = 0.025;
@@ -64,7 +62,7 @@ fn march(mut strain: f64, stress: f64, duration: f64) -> f64 {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let omega = TAU * FREQUENCY_HZ;
-    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let mut random = Noise::seeded(1993);
     let mut tests = Vec::new();
     for (name, stress, duration) in TESTS {
         let load = LoadHistory::creep(stress, duration)?;
@@ -77,8 +75,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let fluidity = PRINTED.coefficient
                 * (PRINTED.exponent + 1.0)
                 * (PRINTED.parallel_modulus * strain).powf(PRINTED.exponent);
-            let noise: f64 = StandardNormal.sample(&mut random);
-            change.push(PRINTED.series_modulus * fluidity / omega + STANDARD_ERROR * noise);
+            let error = STANDARD_ERROR * random.normal();
+            change.push(PRINTED.series_modulus * fluidity / omega + error);
         }
         let readings = LossFactorReadings {
             time: &TIMES,

@@ -19,15 +19,13 @@ use std::f64::consts::TAU;
 use cmod::validity::AcceptanceLimits;
 use cmod::{GaugeSpectra, GaugedRod, ModulusLine, MultiPoint, ThreePoint};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::HalfSine;
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
+use testbed::noise::Noise;
 
 const DENSITY: f64 = 919.0;
 const DIAMETER: f64 = 0.016;
@@ -63,9 +61,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             NOISE * (power / POSITIONS.len() as f64).sqrt()
         })
         .collect();
-    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let variance: Vec<f64> = noise.iter().map(|noise| noise * noise).collect();
+    let mut random = Noise::seeded(1993);
+    let mut measured = |strain: &Vec<Complex64>| random.on(strain, &variance);
     let tests: Vec<Vec<Vec<Complex64>>> = (0..TESTS)
-        .map(|_| measured(&strains, &noise, &mut random))
+        .map(|_| strains.iter().map(&mut measured).collect())
         .collect();
 
     let five: Vec<&[Vec<Complex64>]> = tests.iter().map(Vec::as_slice).collect();
@@ -140,23 +140,6 @@ fn rod(positions: Vec<f64>) -> GaugedRod {
         diameter: DIAMETER,
         density: DENSITY,
     }
-}
-
-/// Returns the strains with circular Gaussian noise, which is independent for every gauge.
-fn measured(
-    strains: &[Vec<Complex64>],
-    noise: &[f64],
-    random: &mut ChaCha8Rng,
-) -> Vec<Vec<Complex64>> {
-    let mut spectrum = |strain: &Vec<Complex64>| {
-        let value = |(strain, noise): (&Complex64, &f64)| {
-            let re: f64 = StandardNormal.sample(random);
-            let im: f64 = StandardNormal.sample(random);
-            strain + Complex64::new(re, im) * (noise * 0.5_f64.sqrt())
-        };
-        strain.iter().zip(noise).map(value).collect()
-    };
-    strains.iter().map(&mut spectrum).collect()
 }
 
 /// Returns points with error bars of one standard error.

@@ -23,14 +23,12 @@ use cmod::{
     RodWithFreeEnd, SeparatePulses, Specimen, TwoPoint,
 };
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::chain::{Chain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
+use testbed::noise::Noise;
 
 const LENGTH: f64 = 0.801;
 const DIAMETER: f64 = 0.0106;
@@ -47,13 +45,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         .rod(&polypropylene, Circle::of_diameter(DIAMETER)?, LENGTH)
         .end(Termination::Mass(ACCELEROMETER))?;
     let frequency_hz: Vec<f64> = (1..=500_u32).map(|j| 20.0 * f64::from(j)).collect();
-    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let mut random = Noise::seeded(1993);
 
     // measured spectra: accelerations of the ends, forces at the gauges (proportional to the
     // strains), and waves at the gauges
-    let mut ends = [Spectrum::default(), Spectrum::default()];
-    let mut gauges = [const { Spectrum::new() }; 3];
-    let mut waves = [const { Spectrum::new() }; 3];
+    let mut ends: [Spectrum; 2] = Default::default();
+    let mut gauges: [Spectrum; 3] = Default::default();
+    let mut waves: [Spectrum; 3] = Default::default();
     for f in &frequency_hz {
         let omega = TAU * f;
         for (end, x) in ends.iter_mut().zip([0.0, LENGTH]) {
@@ -171,20 +169,10 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    const fn new() -> Self {
-        Self {
-            values: Vec::new(),
-            noise: Vec::new(),
-        }
-    }
-
     /// Adds a line, with an error without preferred phase.
-    fn add(&mut self, value: Complex64, random: &mut ChaCha8Rng) {
+    fn add(&mut self, value: Complex64, random: &mut Noise) {
         let noise = NOISE * value.norm();
-        let re: f64 = StandardNormal.sample(random);
-        let im: f64 = StandardNormal.sample(random);
-        self.values
-            .push(value + Complex64::new(re, im) * (noise * 0.5_f64.sqrt()));
+        self.values.push(value + random.circular(noise * noise));
         self.noise.push(noise);
     }
 

@@ -23,11 +23,9 @@ use cmod::rheology::{
     Comparison, FitOptions, Law, MasterCurve, ModulusData, ModulusPoint, TemperatureSweep,
 };
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rodwave::modulus::{ComplexModulus, FractionalZener};
+use testbed::noise::Noise;
 
 /// Number of temperatures, from 20 to 140 °C.
 const TEMPERATURES: u32 = 13;
@@ -44,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let d = kelvin - 353.15;
         -LN_10 * C1 * d / (C2 + d)
     };
-    let mut random = ChaCha8Rng::seed_from_u64(1993);
+    let mut random = Noise::seeded(1993);
     let mut steps = Vec::new();
     for step in 0..TEMPERATURES {
         let kelvin = temperature(step);
@@ -54,9 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let frequency_hz = 400.0 * 25.0_f64.powf(f64::from(line) / 15.0);
                 let modulus = material.at(TAU * frequency_hz * a);
                 let sigma = NOISE * modulus.norm();
-                let re: f64 = StandardNormal.sample(&mut random);
-                let im: f64 = StandardNormal.sample(&mut random);
-                let noise = sigma * Complex64::new(re, im);
+                let noise = random.circular(2.0 * sigma * sigma);
                 ModulusPoint::circular(frequency_hz, modulus + noise, sigma)
             })
             .collect();
