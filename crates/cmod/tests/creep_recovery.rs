@@ -7,13 +7,14 @@ use cmod::recovery::fit::{
     Ending, ErrorScale, Reason, RecoveryFit, SeriesModulus, SingleTestFit, Verdict, paper_procedure,
 };
 use cmod::recovery::{
-    LoadHistory, LoadSegment, LossFactorReadings, RecoveryTest, ThreeElementParameters,
+    LoadHistory, LoadSegment, LossFactorReadings, RecoveryTest, ThreeElement,
+    ThreeElementParameters,
 };
+use num_complex::Complex64;
 use proptest::prelude::{prop_assert, prop_oneof, proptest};
 use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
-
 use testbed::noise::Noise;
 
 const TRUTH: ThreeElementParameters = ThreeElementParameters {
@@ -64,10 +65,9 @@ fn march(dashpot_strain: f64, stress: f64, duration: f64, steps: u32) -> f64 {
     })
 }
 
-/// Returns Δtan δ without noise: the exact loss factor of springs and differential dashpot,
-/// integrated in time.
-fn clean(stress: f64, duration: f64) -> Vec<f64> {
-    let mut strain = march(0.0, stress, duration, 2000);
+/// Returns Δtan δ without noise from the strain of the dashpot at the end of the load: the exact
+/// loss factor of springs and differential dashpot, integrated in time.
+fn resting(mut strain: f64) -> Vec<f64> {
     let mut before = 0.0;
     TIMES
         .iter()
@@ -78,8 +78,7 @@ fn clean(stress: f64, duration: f64) -> Vec<f64> {
             let h = 1e-3 * s; // eta by a difference of eq. 1, to 1e-6
             let flow = |s: f64| TRUTH.coefficient * s.powf(TRUTH.exponent + 1.0);
             let eta = 2.0 * h / (flow(s + h) - flow(s - h));
-            let branch =
-                num_complex::Complex64::new(TRUTH.parallel_modulus, TAU * FREQUENCY_HZ * eta);
+            let branch = Complex64::new(TRUTH.parallel_modulus, TAU * FREQUENCY_HZ * eta);
             let modulus = 1.0 / (1.0 / TRUTH.series_modulus + 1.0 / branch);
             modulus.im / modulus.re
         })
@@ -116,15 +115,18 @@ fn joint(tests: &[RecoveryTest]) -> RecoveryFit {
 }
 
 fn all_clean() -> Vec<Vec<f64>> {
-    LOADS.iter().map(|(_, s, d)| clean(*s, *d)).collect()
+    let strains = LOADS.map(|(_, stress, duration)| march(0.0, stress, duration, 2000));
+    strains.map(resting).to_vec()
 }
 
 fn clean_tests() -> Vec<RecoveryTest> {
-    LOADS
-        .iter()
-        .map(|(name, stress, duration)| {
-            test(name, *stress, *duration, &clean(*stress, *duration), 0.0)
-        })
+    tests_of(all_clean().into_iter(), 0.0)
+}
+
+fn tests_of(changes: impl Iterator<Item = Vec<f64>>, virgin: f64) -> Vec<RecoveryTest> {
+    let loads = LOADS.iter().zip(changes);
+    loads
+        .map(|((name, stress, duration), change)| test(name, *stress, *duration, &change, virgin))
         .collect()
 }
 
@@ -133,17 +135,10 @@ fn noisy_tests(seed: u64, virgin: f64, clean: &[Vec<f64>]) -> Vec<RecoveryTest> 
     let mut normal = || random.normal();
     // the virgin loss factor was measured once, before all tests
     let common = virgin * normal();
-    LOADS
-        .iter()
-        .zip(clean)
-        .map(|((name, stress, duration), clean)| {
-            let change: Vec<f64> = clean
-                .iter()
-                .map(|c| c + common + NOISE * normal())
-                .collect();
-            test(name, *stress, *duration, &change, virgin)
-        })
-        .collect()
+    let mut noisy = |change: &f64| change + common + NOISE * normal();
+    let changes = clean.iter();
+    let changes = changes.map(|clean| clean.iter().map(&mut noisy).collect());
+    tests_of(changes, virgin)
 }
 
 #[test]
@@ -216,7 +211,7 @@ fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
     let (mut sets, mut worst) = (Vec::new(), 0.0_f64);
     for m in [0.5, 1.8, 4.0] {
         let parameters = curve.parameters_for(&one[0], m, 3100e6).unwrap();
-        let recovery = cmod::recovery::ThreeElement::new(parameters)
+        let recovery = ThreeElement::new(parameters)
             .unwrap()
             .recovery(one[0].load())
             .unwrap();
@@ -266,7 +261,7 @@ fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
 #[test]
 fn readings_that_come_too_late_or_end_too_early_are_told() {
     let noisy = |times: [f64; 12]| -> Vec<RecoveryTest> {
-        let model = cmod::recovery::ThreeElement::new(TRUTH).unwrap();
+        let model = ThreeElement::new(TRUTH).unwrap();
         [(45e6, 1800.0), (32e6, 300.0)]
             .iter()
             .map(|&(stress, duration)| {
@@ -363,16 +358,16 @@ fn tails_of_all_tests_agree() {
 fn the_joint_fit_scatters_less_than_the_procedure_of_the_paper() {
     let clean = all_clean();
     let (mut of_joint, mut of_paper) = (0.0, 0.0);
+    let square = |found: &ThreeElementParameters| {
+        let ratio: f64 = found.parallel_modulus / TRUTH.parallel_modulus;
+        ratio.ln().powi(2)
+    };
     for seed in 0..200 {
         let tests = noisy_tests(seed, 0.0, &clean);
         let fit = joint(&tests);
         let procedure = paper_procedure(&tests, 1, 3100e6, (0.2, 6.0)).unwrap();
-        of_joint += (fit.model.parameters().parallel_modulus / TRUTH.parallel_modulus)
-            .ln()
-            .powi(2);
-        of_paper += (procedure.parameters.parallel_modulus / TRUTH.parallel_modulus)
-            .ln()
-            .powi(2);
+        of_joint += square(&fit.model.parameters());
+        of_paper += square(&procedure.parameters);
     }
     let ratio = f64::sqrt(of_paper / of_joint);
     assert!(ratio > 1.2, "{ratio}");
@@ -391,24 +386,11 @@ fn a_periodic_load_joins_the_fit() {
     .unwrap();
     let h = 1.0 / 128.0;
     let stress = |t: f64| 32e6 + 13e6 * (TAU * 4.0 * t).sin();
-    let mut strain = (0..38_400_u32).fold(0.0, |strain, k| {
+    let strain = (0..38_400_u32).fold(0.0, |strain, k| {
         let t = h * f64::from(k);
         step(|t, strain| rate(stress(t), strain), t, strain, h)
     });
-    let mut before = 0.0;
-    let change: Vec<f64> = TIMES
-        .iter()
-        .map(|t| {
-            strain = march(strain, 0.0, t - before, 400);
-            before = *t;
-            TRUTH.series_modulus
-                * TRUTH.coefficient
-                * (TRUTH.exponent + 1.0)
-                * (TRUTH.parallel_modulus * strain).powf(TRUTH.exponent)
-                / (TAU * FREQUENCY_HZ)
-        })
-        .collect();
-    let periodic = readings(load, &TIMES, &change, NOISE);
+    let periodic = readings(load, &TIMES, &resting(strain), NOISE);
     let tests = [clean_tests()[3].clone(), periodic];
     let fit = joint(&tests);
     let found = fit.model.parameters();
@@ -495,10 +477,7 @@ fn the_report_names_errors_and_reasons() {
 #[test]
 fn a_small_perturbation_sees_the_differential_modulus() {
     let load = LoadHistory::creep(45e6, 1800.0).unwrap();
-    let recovery = cmod::recovery::ThreeElement::new(TRUTH)
-        .unwrap()
-        .recovery(&load)
-        .unwrap();
+    let recovery = ThreeElement::new(TRUTH).unwrap().recovery(&load).unwrap();
     let omega = TAU * FREQUENCY_HZ;
     let resting = recovery.dashpot_stress(300.0);
     let (periods, steps) = (20_u32, 200_u32);
@@ -510,17 +489,17 @@ fn a_small_perturbation_sees_the_differential_modulus() {
         let stress = |t: f64| resting + amplitude * (omega * t).sin();
         let rate =
             |t: f64, v: f64| TRUTH.parallel_modulus * rate(stress(t), v / TRUTH.parallel_modulus);
-        let (mut v, mut sum) = (0.0, num_complex::Complex64::ZERO);
+        let (mut v, mut sum) = (0.0, Complex64::ZERO);
         for k in 0..periods * steps {
             let t = h * f64::from(k);
-            sum += num_complex::Complex64::from_polar(v, -omega * t);
+            sum += Complex64::from_polar(v, -omega * t);
             v = step(rate, t, v, h);
         }
         sum * 2.0 / f64::from(periods * steps)
     };
     let amplitude = 0.3e6;
     let spring = 0.5 * (response(amplitude) - response(-amplitude));
-    let stress = num_complex::Complex64::new(0.0, -amplitude); // sin
+    let stress = Complex64::new(0.0, -amplitude); // sin
     let strain = stress / TRUTH.series_modulus + spring / TRUTH.parallel_modulus;
     let seen = stress / strain;
     let modulus = recovery.complex_modulus(omega, 300.0);
@@ -546,7 +525,7 @@ proptest! {
     ) {
         // λt at the stress of the load is between 0.05 and 150
         let coefficient = log_relaxation.exp() / (duration * 13100.0 * f64::powf(f64::abs(stress), m));
-        let model = cmod::recovery::ThreeElement::new(ThreeElementParameters {
+        let model = ThreeElement::new(ThreeElementParameters {
             coefficient,
             exponent: m,
             ..TRUTH
@@ -574,7 +553,7 @@ proptest! {
 /// formula; this is reported.
 #[test]
 fn rates_that_cannot_be_integrated_are_told() {
-    let model = cmod::recovery::ThreeElement::new(ThreeElementParameters {
+    let model = ThreeElement::new(ThreeElementParameters {
         coefficient: 1e4,
         exponent: 0.0,
         ..TRUTH

@@ -194,34 +194,22 @@ fn errors_are_those_of_repeated_draws() {
     let mut random = Noise::seeded(1944);
     let repetitions = 1500;
     let n = stated.modulus().lines().len();
-    let (mut of_nu, mut of_noise) = (vec![[0.0; 2]; n], vec![[0.0; 3]; n]);
-    for _ in 0..repetitions {
-        let other = correct(POISSON_RATIO + sigma_nu * random.normal(), &ratio);
-        for ((line, stated), sums) in other
-            .modulus()
-            .lines()
-            .iter()
-            .zip(stated.modulus().lines())
-            .zip(&mut of_nu)
-        {
-            let error = line.modulus - stated.modulus;
-            sums[0] += error.re * error.re;
-            sums[1] += error.im * error.im;
-        }
-        let noisy = random.on(&ratio, &vec![variance; ratio.len()]);
-        let other = correct(POISSON_RATIO, &noisy);
-        for ((line, stated), sums) in other
-            .modulus()
-            .lines()
-            .iter()
-            .zip(stated.modulus().lines())
-            .zip(&mut of_noise)
-        {
+    let (mut of_nu, mut of_noise) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    let add = |other: &CorrectedEstimate, sums: &mut [[f64; 3]]| {
+        let lines = other.modulus().lines().iter();
+        let lines = lines.zip(stated.modulus().lines()).zip(sums);
+        for ((line, stated), sums) in lines {
             let error = line.modulus - stated.modulus;
             sums[0] += error.re * error.re;
             sums[1] += error.im * error.im;
             sums[2] += (line.loss_factor - stated.loss_factor).powi(2);
         }
+    };
+    for _ in 0..repetitions {
+        let nu = POISSON_RATIO + sigma_nu * random.normal();
+        add(&correct(nu, &ratio), &mut of_nu);
+        let noisy = random.on(&ratio, &vec![variance; ratio.len()]);
+        add(&correct(POISSON_RATIO, &noisy), &mut of_noise);
     }
     for (index, line) in stated.modulus().lines().iter().enumerate() {
         let root = |sum: f64| (sum / f64::from(repetitions)).sqrt();

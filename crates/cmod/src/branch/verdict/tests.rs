@@ -10,34 +10,19 @@ fn relative(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// Computes the normal distribution function Φ by Simpson's rule from -9, without the error
-/// function.
-fn normal_distribution(x: f64) -> f64 {
-    let (from, n) = (-9.0, 4000);
-    let h = (x - from) / f64::from(n);
-    let sum: f64 = (0..=n)
-        .map(|k| {
-            let weight = match k {
-                0 => 1.0,
-                k if k == n => 1.0,
-                k if k % 2 == 1 => 4.0,
-                _ => 2.0,
-            };
-            let t = from + h * f64::from(k);
-            weight * (-0.5 * t * t).exp()
-        })
-        .sum();
-    sum * h / 3.0 / (2.0 * PI).sqrt()
+fn smoothed_at(gamma: Complex64, variance: f64) -> Smoothed {
+    Smoothed { gamma, variance }
 }
 
-/// Computes the moments of a normal variable on its positive half, by Simpson's rule over the
-/// relevant twelve standard errors.
-fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
-    let n = 20_000;
-    let from = 0.0_f64.max(mean - 12.0 * spread);
-    let to = (mean + 12.0 * spread).max(3.0 * spread * spread / -mean.min(-spread));
+/// Integrates by Simpson's rule with `n` intervals.
+fn simpson<const N: usize>(
+    from: f64,
+    to: f64,
+    n: u32,
+    values: impl Fn(f64) -> [f64; N],
+) -> [f64; N] {
     let h = (to - from) / f64::from(n);
-    let mut moments = [0.0; 3];
+    let mut sums = [0.0; N];
     for k in 0..=n {
         let weight = match k {
             0 => 1.0,
@@ -45,14 +30,32 @@ fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
             k if k % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        let x = from + h * f64::from(k);
+        let values = values(from + h * f64::from(k));
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum += h / 3.0 * weight * value;
+        }
+    }
+    sums
+}
+
+/// Computes the normal distribution function Φ by Simpson's rule from -9, without the error
+/// function.
+fn normal_distribution(x: f64) -> f64 {
+    let [sum] = simpson(-9.0, x, 4000, |t| [(-0.5 * t * t).exp()]);
+    sum / (2.0 * PI).sqrt()
+}
+
+/// Computes the moments of a normal variable on its positive half, by Simpson's rule over the
+/// relevant twelve standard errors.
+fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
+    let from = 0.0_f64.max(mean - 12.0 * spread);
+    let to = (mean + 12.0 * spread).max(3.0 * spread * spread / -mean.min(-spread));
+    let moments = simpson(from, to, 20_000, |x| {
         // the exponent is relative to its value at 0, because the density would underflow
         let exponent =
             -0.5 * ((x - mean) / spread).powi(2) + 0.5 * (mean.min(0.0) / spread).powi(2);
-        for (power, moment) in moments.iter_mut().enumerate() {
-            *moment += weight * exponent.exp() * x.powi(i32::try_from(power).unwrap());
-        }
-    }
+        [1.0, x, x * x].map(|power| power * exponent.exp())
+    });
     let first = moments[1] / moments[0];
     (first, moments[2] / moments[0] - first * first)
 }
@@ -85,20 +88,14 @@ fn a_damping_that_cannot_be_negative_has_the_moments_of_what_is_left() {
 
 #[test]
 fn the_spread_of_a_phase_is_half_the_variance_by_the_length() {
-    let smoothed = Smoothed {
-        gamma: gamma(3.0, 7.0),
-        variance: 0.08,
-    };
+    let smoothed = smoothed_at(gamma(3.0, 7.0), 0.08);
     let phase = Phase::of(&smoothed, 0.5);
     // 15 standard errors above 0: nothing is truncated
     assert!((phase.raw - gamma(1.5, 3.5)).norm() < 1e-15);
     assert!(relative(phase.spread, 0.1) < 1e-12);
     assert!((phase.mean - phase.raw).norm() < 1e-15);
     assert!(relative(phase.damping_variance, 0.01) < 1e-12);
-    let smoothed = Smoothed {
-        gamma: gamma(0.2, 7.0),
-        variance: 0.08,
-    };
+    let smoothed = smoothed_at(gamma(0.2, 7.0), 0.08);
     let phase = Phase::of(&smoothed, 0.5);
     let (mean, variance) = positive_half(0.1, 0.1);
     assert!(
@@ -106,13 +103,7 @@ fn the_spread_of_a_phase_is_half_the_variance_by_the_length() {
     );
     assert!((phase.mean.im - 3.5).abs() < 1e-15);
     // case of γ without error
-    let phase = Phase::of(
-        &Smoothed {
-            gamma: gamma(0.0, 1.0),
-            variance: 0.0,
-        },
-        1.0,
-    );
+    let phase = Phase::of(&smoothed_at(gamma(0.0, 1.0), 0.0), 1.0);
     assert!(phase.mean.re.abs() < 1e-300 && phase.damping_variance.abs() < 1e-300);
 }
 
@@ -203,10 +194,7 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     let lines: Vec<LineAt<'_>> = (0..n).map(|_| line_at(gamma(1.0, 0.0), 1.0)).collect();
     let smoothed = |step: f64| -> Vec<Smoothed> {
         (0..n)
-            .map(|k| Smoothed {
-                gamma: gamma(0.0, step * f64::from(k)),
-                variance: 0.0,
-            })
+            .map(|k| smoothed_at(gamma(0.0, step * f64::from(k)), 0.0))
             .collect()
     };
     let mut chi_square = vec![Some(1.0); lines.len()];
@@ -252,10 +240,7 @@ fn verdict(misfit: f64, chi_square: Option<f64>, smoothed: Smoothed) -> Verdict 
 fn a_line_is_strange_beyond_four_standard_deviations_of_all_that_is_uncertain() {
     let at = gamma(0.2, 2.0);
     let [value, slope, curvature] = FreeEnd.expand(at);
-    let smoothed = Smoothed {
-        gamma: at,
-        variance: 0.02,
-    };
+    let smoothed = smoothed_at(at, 0.02);
     let phase = Phase::of(&smoothed, 1.0);
     let noise = 1e-3;
     // E|δx|² is the variance of the smoothed γ, and E|δx²/2|² half of its square
@@ -277,10 +262,7 @@ fn a_line_is_strange_beyond_four_standard_deviations_of_all_that_is_uncertain() 
 #[test]
 fn r21_a_line_without_a_misfit_is_undetermined() {
     let at = gamma(0.2, 2.0);
-    let smoothed = Smoothed {
-        gamma: at,
-        variance: 2e-4,
-    };
+    let smoothed = smoothed_at(at, 2e-4);
     let line = line_at(FreeEnd.expand(at)[0], 1e-6);
     let known = verdict(1.0, Some(1.0), smoothed).line(0, &line);
     assert!(known.doubt.is_none() && known.confidence > 0.99);
@@ -296,17 +278,11 @@ fn r21_a_line_without_a_misfit_is_undetermined() {
 #[test]
 fn doubts_come_in_the_order_of_their_weight() {
     let at = gamma(0.2, 2.0);
-    let smoothed = Smoothed {
-        gamma: at,
-        variance: 2e-4,
-    };
+    let smoothed = smoothed_at(at, 2e-4);
     let line = line_at(FreeEnd.expand(at)[0], 1e-6);
     let ask = |verdict: &Verdict, at: Complex64, confidence: f64, roots, rivals| {
         let mut confidence = confidence;
-        let smoothed = Smoothed {
-            gamma: at,
-            variance: 2e-4,
-        };
+        let smoothed = smoothed_at(at, 2e-4);
         let best = Phase::of(&smoothed, 1.0);
         let misfit = &verdict.misfits[0];
         let doubt = verdict.doubt(misfit, &line, &best, &mut confidence, roots, rivals);
