@@ -136,18 +136,6 @@ impl FreeEndRoot {
         }
     }
 
-    /// Returns αL, 0 or above.
-    #[must_use]
-    pub fn damping_length(&self) -> f64 {
-        self.damping_length
-    }
-
-    /// Returns β, from 0 to π/2.
-    #[must_use]
-    pub fn angle(&self) -> f64 {
-        self.angle
-    }
-
     /// Returns γL on a `branch`.
     #[must_use]
     pub fn on(&self, branch: Branch) -> Complex64 {

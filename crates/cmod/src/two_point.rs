@@ -123,24 +123,6 @@ impl TwoPoint {
         Ok(self)
     }
 
-    /// Returns the specimen.
-    #[must_use]
-    pub fn specimen(&self) -> &Specimen {
-        &self.specimen
-    }
-
-    /// Returns the solver.
-    #[must_use]
-    pub fn solver(&self) -> Solver {
-        self.solver
-    }
-
-    /// Returns the error limits that a valid line must meet.
-    #[must_use]
-    pub fn limits(&self) -> &AcceptanceLimits {
-        &self.limits
-    }
-
     /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors

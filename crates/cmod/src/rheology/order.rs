@@ -19,8 +19,8 @@ use super::data::ModulusData;
 use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, enough};
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
+use super::least_squares::Minimum;
 use super::profile::{Elsewhere, End, Profile};
-use super::prony::Prony;
 use super::support::Support;
 use crate::directions::Directions;
 use crate::error::CmodError;
@@ -111,7 +111,7 @@ impl PronyFit {
 
     fn judged(data: &ModulusData, options: FitOptions, chosen: Chosen) -> Result<Self, CmodError> {
         let series = &chosen.best.series;
-        let model = Prony::new(series.equilibrium > 0.0, series.branches.len());
+        let model = series.model();
         let scene = Scene {
             profiled_from: if options.series_profiles {
                 0
@@ -169,7 +169,7 @@ impl Chosen {
     /// Returns the upper limit of E∞ for a spring that is added to a series without a spring.
     fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
         let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
-        let model = Prony::new(true, solid.series.branches.len());
+        let model = solid.series.model();
         let freedom = data.values().saturating_sub(solid.minimum.at.len());
         let chi_squared = solid.minimum.chi_squared.min(self.best.minimum.chi_squared);
         let factor = match options.error_scale {
@@ -193,16 +193,21 @@ impl Chosen {
 
     fn alternatives(&self) -> Vec<Alternative> {
         let of = |(score, tried): (f64, &Refined)| {
-            let coordinates = tried.minimum.at.clone();
-            let alternative = Alternative {
-                weight: 0.0,
-                model: Prony::new(tried.series.equilibrium > 0.0, tried.series.branches.len()),
-                information: Directions::of_law(&tried.minimum.linearised, coordinates.len())?,
-                coordinates,
-            };
-            Some((score, alternative))
+            Some((score, Alternative::of(&tried.series, &tried.minimum)?))
         };
         weighted(self.candidates().into_iter().filter_map(of).collect())
+    }
+}
+
+impl Alternative {
+    /// Creates an alternative whose weight is not yet known.
+    pub(super) fn of(series: &Series, minimum: &Minimum) -> Option<Self> {
+        Some(Self {
+            weight: 0.0,
+            model: series.model(),
+            coordinates: minimum.at.clone(),
+            information: Directions::of_law(&minimum.linearised, minimum.at.len())?,
+        })
     }
 }
 

@@ -108,15 +108,7 @@ impl Prony {
     )]
     pub(super) fn law_at(&self, at: &[f64]) -> Result<GeneralisedMaxwell, RodwaveError> {
         let (equilibrium, rest) = at.split_at(self.first());
-        let branches = rest[..2 * self.branches]
-            .as_chunks()
-            .0
-            .iter()
-            .map(|[modulus, time]| MaxwellBranch {
-                modulus: modulus.exp(),
-                relaxation_time: time.exp(),
-            })
-            .collect();
+        let branches = branches_at(&rest[..2 * self.branches]);
         GeneralisedMaxwell::new(equilibrium.first().map_or(0.0, |e| e.exp()), branches)
     }
 
@@ -133,6 +125,17 @@ impl Prony {
         }
         at
     }
+}
+
+/// Returns the branches at the logarithms of their moduli and relaxation times.
+pub(super) fn branches_at(at: &[f64]) -> Vec<MaxwellBranch> {
+    let branches = at.as_chunks().0.iter();
+    branches
+        .map(|[modulus, time]| MaxwellBranch {
+            modulus: modulus.exp(),
+            relaxation_time: time.exp(),
+        })
+        .collect()
 }
 
 /// Returns z = ix/(1 + ix), the fraction of the modulus of a branch that is active at x = ωτ. It

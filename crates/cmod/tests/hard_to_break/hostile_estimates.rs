@@ -314,7 +314,7 @@ fn branches() {
             return Ok(Vec::new());
         }
         let on = root.on(Branch::in_quadrant(3));
-        Ok(vec![root.damping_length(), root.angle(), on.re, on.im])
+        Ok(vec![on.re, on.im])
     });
     for quadrant in [0, 1, u32::MAX - 1, u32::MAX] {
         assert!(

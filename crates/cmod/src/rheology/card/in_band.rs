@@ -22,7 +22,6 @@ use super::super::least_squares::{Effort, minimise};
 use super::super::model::Partial;
 use super::super::order::{Series, no_law};
 use super::super::parameter::Parameter;
-use super::super::prony::Prony;
 use crate::error::CmodError;
 
 /// Returns the series nearest to the data with relaxation times within the band, starting from the
@@ -158,8 +157,8 @@ fn refined(data: &ModulusData, mut times: Vec<f64>, ends: (f64, f64)) -> Result<
                 expected: "at least one branch, whose loss modulus exceeds its error",
             });
         }
-        let model = Prony::new(true, start.branches.len());
-        let at = Prony::coordinates(start.equilibrium, &start.branches);
+        let model = start.model();
+        let at = start.coordinates();
         let free = free(&at, ends);
         let partial = Partial::new(&model, at, free);
         let minimum =
@@ -181,7 +180,7 @@ fn judged(
     ends: (f64, f64),
     options: FitOptions,
 ) -> Result<RheologicalFit, CmodError> {
-    let model = Prony::new(true, found.branches.len());
+    let model = found.model();
     let at = found.coordinates();
     let free = free(&at, ends);
     let partial = Partial::new(&model, at, free);

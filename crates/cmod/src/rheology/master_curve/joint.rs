@@ -10,7 +10,6 @@ use super::super::order::{Order, Refined, Series, choose, no_law, weighted};
 use super::super::prony::Prony;
 use super::super::sweep::TemperatureSweep;
 use super::links::Starts;
-use crate::directions::Directions;
 use crate::error::CmodError;
 
 /// Maximum number of rounds, in each of which an order is chosen and fitted together with the
@@ -122,15 +121,8 @@ impl Joint<'_> {
                 let model = self.model(&tried.series, with_factors);
                 let start = [tried.minimum.at.as_slice(), found].concat();
                 let minimum = minimise(&model, self.joined, &start, None, Effort::Comparison)?;
-                let information = Directions::of_law(&minimum.linearised, minimum.at.len())?;
                 let score = self.scores(&minimum).prediction;
-                let alternative = Alternative {
-                    weight: 0.0,
-                    model: Prony::new(tried.series.equilibrium > 0.0, tried.series.branches.len()),
-                    coordinates: minimum.at,
-                    information,
-                };
-                Some((score, alternative))
+                Some((score, Alternative::of(&tried.series, &minimum)?))
             };
             let of_orders = chosen.candidates().into_iter().filter_map(of_order);
             let alternatives = weighted(of_orders.collect());

@@ -8,7 +8,6 @@ use super::super::explained::Explained;
 use super::super::fit::{ErrorScale, FitOptions, Scores};
 use super::super::least_squares::{Effort, Minimum, minimise};
 use super::super::non_negative::NonNegative;
-use super::super::prony::Prony;
 use super::series::{Series, column, constant, grid, merged, target};
 use super::{HOPELESS, Order};
 use crate::directions::Directions;
@@ -45,7 +44,7 @@ impl Refined {
             return None;
         }
         let solid = series.equilibrium > 0.0;
-        let model = Prony::new(solid, series.branches.len());
+        let model = series.model();
         let mut minimum = minimise(&model, data, &series.coordinates(), None, effort)?;
         let mut series = Series::of_coordinates(&minimum.at, solid);
         let by_time =

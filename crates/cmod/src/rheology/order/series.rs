@@ -5,7 +5,7 @@ use rodwave::modulus::MaxwellBranch;
 
 use super::super::data::ModulusData;
 use super::super::non_negative::NonNegative;
-use super::super::prony::{Prony, share_of};
+use super::super::prony::{Prony, branches_at, share_of};
 
 /// Relaxation times per decade of the grid.
 const TIMES_A_DECADE: f64 = 6.0;
@@ -55,17 +55,14 @@ impl Series {
 
     pub(in super::super) fn of_coordinates(at: &[f64], solid: bool) -> Self {
         let (equilibrium, rest) = at.split_at(usize::from(solid));
-        let branches = rest.as_chunks().0;
         Self {
             equilibrium: equilibrium.first().map_or(0.0, |e| e.exp()),
-            branches: branches
-                .iter()
-                .map(|[modulus, time]| MaxwellBranch {
-                    modulus: modulus.exp(),
-                    relaxation_time: time.exp(),
-                })
-                .collect(),
+            branches: branches_at(rest),
         }
+    }
+
+    pub(in super::super) fn model(&self) -> Prony {
+        Prony::new(self.equilibrium > 0.0, self.branches.len())
     }
 
     /// Returns starting points with the same number of parameters, in other regions in which the
