@@ -477,35 +477,26 @@ mod tests {
 
     #[test]
     fn impossible_rods_are_refused() {
+        let text = |made: Result<LateralInertia, CmodError>| made.unwrap_err().to_string();
         assert_eq!(
-            LateralInertia::new(0.01, 900.0, 0.6)
-                .unwrap_err()
-                .to_string(),
+            text(LateralInertia::new(0.01, 900.0, 0.6)),
             "Poisson's ratio is 0.6, expected a value from 0 to 0.5"
         );
         assert_eq!(
-            LateralInertia::rectangular(0.01, f64::NAN, 900.0, 0.4)
-                .unwrap_err()
-                .to_string(),
+            text(LateralInertia::rectangular(0.01, f64::NAN, 900.0, 0.4)),
             "height [m] is NaN, expected a finite value above 0"
         );
         assert_eq!(
-            LateralInertia::new(-0.01, 900.0, 0.4)
-                .unwrap_err()
-                .to_string(),
+            text(LateralInertia::new(-0.01, 900.0, 0.4)),
             "diameter [m] is -0.01, expected a finite value above 0"
         );
         let rod = LateralInertia::new(0.01, 900.0, 0.4).unwrap();
         assert_eq!(
-            rod.with_poisson_ratio_uncertainty(f64::NAN)
-                .unwrap_err()
-                .to_string(),
+            text(rod.with_poisson_ratio_uncertainty(f64::NAN)),
             "uncertainty of Poisson's ratio is NaN, expected a finite value, 0 or above"
         );
         assert_eq!(
-            rod.with_diameter_uncertainty(-1e-5)
-                .unwrap_err()
-                .to_string(),
+            text(rod.with_diameter_uncertainty(-1e-5)),
             "uncertainty of the diameter [m] is -0.00001, expected a finite value, 0 or above"
         );
     }

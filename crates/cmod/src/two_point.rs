@@ -417,37 +417,27 @@ mod tests {
 
     #[test]
     fn impossible_specimens_are_refused() {
-        let cases = [
+        let cases: [(fn(&mut Specimen), &str); 4] = [
             (
-                Specimen {
-                    length: 0.0,
-                    ..SPECIMEN
-                },
+                |specimen| specimen.length = 0.0,
                 "length [m] is 0, expected a finite value above 0",
             ),
             (
-                Specimen {
-                    diameter: f64::NAN,
-                    ..SPECIMEN
-                },
+                |specimen| specimen.diameter = f64::NAN,
                 "diameter [m] is NaN, expected a finite value above 0",
             ),
             (
-                Specimen {
-                    density: -1.0,
-                    ..SPECIMEN
-                },
+                |specimen| specimen.density = -1.0,
                 "density [kg/m^3] is -1, expected a finite value above 0",
             ),
             (
-                Specimen {
-                    accelerometer_mass: -2.9e-3,
-                    ..SPECIMEN
-                },
+                |specimen| specimen.accelerometer_mass = -2.9e-3,
                 "accelerometer mass [kg] is -0.0029, expected a finite value, 0 or above",
             ),
         ];
-        for (specimen, text) in cases {
+        for (change, text) in cases {
+            let mut specimen = SPECIMEN;
+            change(&mut specimen);
             assert_eq!(TwoPoint::new(specimen).unwrap_err().to_string(), text);
         }
     }

@@ -46,6 +46,11 @@ fn fractional(relaxed: f64, unrelaxed: f64, time: f64, exponent: f64, omega: f64
     relaxed + (unrelaxed - relaxed) * phase / (1.0 + phase)
 }
 
+fn constant_loss(modulus: f64, loss_factor: f64, frequency_hz: f64, omega: f64) -> Complex64 {
+    let exponent = 2.0 / PI * loss_factor.atan();
+    modulus * Complex64::new(0.0, omega / (TAU * frequency_hz)).powf(exponent)
+}
+
 const EXACT: SpecimenUncertainty = SpecimenUncertainty {
     length: 0.0,
     diameter: 0.0,
@@ -62,10 +67,7 @@ pub(crate) const STIFF: Rod = Rod {
         accelerometer_mass: 2.9e-3,
     },
     uncertainty: EXACT,
-    modulus: |omega| {
-        let exponent = 2.0 / PI * 0.07_f64.atan();
-        2.6e9 * Complex64::new(0.0, omega / (TAU * 1600.0)).powf(exponent)
-    },
+    modulus: |omega| constant_loss(2.6e9, 0.07, 1600.0, omega),
     step_hz: 16.0,
     highest_hz: 15e3,
     noise: 2e-4,
@@ -101,10 +103,7 @@ pub(crate) const RINGING: Rod = Rod {
         density: 12.5,
         accelerometer_mass: 0.0,
     },
-    modulus: |omega| {
-        let exponent = 2.0 / PI * 0.025_f64.atan();
-        5.2e9 * Complex64::new(0.0, omega / (TAU * 2000.0)).powf(exponent)
-    },
+    modulus: |omega| constant_loss(5.2e9, 0.025, 2000.0, omega),
     step_hz: 20.0 / 3.0,
     highest_hz: 12e3,
     noise: 2e-4,
@@ -191,6 +190,13 @@ pub(crate) struct Record {
 }
 
 impl Record {
+    fn lines<'a>(&'a self, common: &'a [RatioError]) -> RatioLines<'a> {
+        RatioLines {
+            common,
+            ..RatioLines::of_known_variance(&self.frequency_hz, &self.ratio, &self.variance)
+        }
+    }
+
     /// Calls a function with the method of the rod and the lines, including the stated errors of
     /// the sensors.
     pub(crate) fn used<T>(
@@ -202,10 +208,7 @@ impl Record {
             RatioError::of_gain_ratio(&self.frequency_hz, GAIN).unwrap(),
             RatioError::of_delay(&self.frequency_hz, DELAY).unwrap(),
         ];
-        let lines = RatioLines {
-            common: &common,
-            ..RatioLines::of_known_variance(&self.frequency_hz, &self.ratio, &self.variance)
-        };
+        let lines = self.lines(&common);
         let method = TwoPoint::new(rod.specimen)
             .and_then(|method| method.with_specimen_uncertainty(rod.uncertainty))
             .and_then(|method| method.with_limits(WIDE))
@@ -293,10 +296,7 @@ fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
     let found = growth(record.calibrated(&STIFF).estimate());
     assert!(found < 1.1, "{found}");
     let common = [RatioError::of_delay(&record.frequency_hz, DELAY).unwrap()];
-    let lines = RatioLines {
-        common: &common,
-        ..RatioLines::of_known_variance(&record.frequency_hz, &record.ratio, &record.variance)
-    };
+    let lines = record.lines(&common);
     let method = TwoPoint::new(STIFF.specimen).unwrap();
     let stated = growth(&method.estimate_ratio(&lines).unwrap());
     assert!(stated > 10.0, "{stated}");
@@ -307,10 +307,7 @@ fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
 #[test]
 fn a_delay_that_hides_the_number_of_waves_is_found() {
     let rod = Rod {
-        modulus: |omega| {
-            let exponent = 2.0 / PI * 0.02_f64.atan();
-            3e9 * Complex64::new(0.0, omega / (TAU * 2000.0)).powf(exponent)
-        },
+        modulus: |omega| constant_loss(3e9, 0.02, 2000.0, omega),
         highest_hz: 18e3,
         ..STIFF
     };
@@ -332,10 +329,7 @@ fn an_error_of_a_ratio_moves_a_line_by_its_shift() {
         RatioError::of_gain_ratio(&record.frequency_hz, 1e-6).unwrap(),
         RatioError::of_delay(&record.frequency_hz, 1e-10).unwrap(),
     ];
-    let lines = RatioLines {
-        common: &common,
-        ..RatioLines::of_known_variance(&record.frequency_hz, &record.ratio, &record.variance)
-    };
+    let lines = record.lines(&common);
     let right = method.estimate_ratio(&lines).unwrap();
     for error in &common {
         let pairs = record.ratio.iter().zip(error.relative());

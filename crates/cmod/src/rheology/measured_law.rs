@@ -278,16 +278,25 @@ mod tests {
     use crate::rheology::{CommonError, FitOptions, Law, ModulusData, ModulusPoint};
 
     /// Returns lines with a relative error of 1e-3 and a common error of 2e-3.
-    fn data() -> ModulusData {
-        let material = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
-        let points: Vec<ModulusPoint> = (0..40)
+    fn points(
+        material: &dyn ComplexModulus,
+        lowest_hz: f64,
+        ratio: f64,
+        lines: i32,
+    ) -> Vec<ModulusPoint> {
+        (0..lines)
             .map(|j| {
-                let frequency_hz = 100.0 * 1.12_f64.powi(j);
+                let frequency_hz = lowest_hz * ratio.powi(j);
                 let modulus = material.at(std::f64::consts::TAU * frequency_hz);
                 let error = Complex64::from_polar(1e-3, 2.4 * f64::from(j * j));
                 ModulusPoint::circular(frequency_hz, modulus * (1.0 + error), 1e-3 * modulus.norm())
             })
-            .collect();
+            .collect()
+    }
+
+    fn data() -> ModulusData {
+        let material = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+        let points = points(&material, 100.0, 1.12, 40);
         let shift = points.iter().map(|point| 2e-3 * point.modulus).collect();
         ModulusData::new(&points)
             .unwrap()
@@ -360,14 +369,7 @@ mod tests {
             relaxation_time: 10.0_f64.powi(-k),
         });
         let material = GeneralisedMaxwell::new(2e9, branches.collect()).unwrap();
-        let points: Vec<ModulusPoint> = (0..80)
-            .map(|j| {
-                let frequency_hz = 500.0 * 1.044_f64.powi(j);
-                let modulus = material.at(std::f64::consts::TAU * frequency_hz);
-                let error = Complex64::from_polar(1e-3, 2.4 * f64::from(j * j));
-                ModulusPoint::circular(frequency_hz, modulus * (1.0 + error), 1e-3 * modulus.norm())
-            })
-            .collect();
+        let points = points(&material, 500.0, 1.044, 80);
         let of_inertia = |point: &ModulusPoint| {
             let share = 0.01 * (point.frequency_hz / 15e3).powi(2);
             share * point.modulus

@@ -141,14 +141,8 @@ fn two_points() {
 #[test]
 fn neighbours_of_two_points() {
     let mut findings = Findings::default();
-    let strain = |distance| EndSection {
-        distance,
-        quantity: Quantity::Strain,
-    };
-    let acceleration = |distance| EndSection {
-        distance,
-        quantity: Quantity::Acceleration,
-    };
+    let section = |quantity, distance| EndSection { distance, quantity };
+    let (strain, acceleration) = (Quantity::Strain, Quantity::Acceleration);
     let uncertainty = SectionUncertainty {
         distance: 1e-4,
         diameter: 1e-5,
@@ -162,33 +156,30 @@ fn neighbours_of_two_points() {
     };
     let sound = [0.02, 1150.0, 1e-3, 1.0, 0.0, 1600.0, 1.0, 1.0, 1e-6];
     for (name, first, second) in [
-        ("accelerations", 0, 0),
-        ("strain and acceleration", 1, 0),
-        ("acceleration and strain", 0, 1),
+        ("accelerations", acceleration, acceleration),
+        ("strain and acceleration", strain, acceleration),
+        ("acceleration and strain", acceleration, strain),
     ] {
         findings.sweep(&format!("FreeEnd of {name}"), &sound, |a| {
-            let quantity = |which: usize, distance| {
-                if which == 1 {
-                    strain(distance)
-                } else {
-                    acceleration(distance)
-                }
-            };
-            let method = FreeEnd::new(rod(a), quantity(first, a[3]), quantity(second, a[4]))?
+            let method = FreeEnd::new(rod(a), section(first, a[3]), section(second, a[4]))?
                 .with_wave_speed(a[5])?
                 .with_uncertainty(uncertainty)?;
             estimated(&a[6..], |f, r, v| method.estimate(f, r, v))
         });
     }
     findings.sweep("FreeEnd without a wave speed", &sound, |a| {
-        let method = FreeEnd::new(rod(a), acceleration(a[3]), acceleration(a[4]))?;
+        let method = FreeEnd::new(
+            rod(a),
+            section(acceleration, a[3]),
+            section(acceleration, a[4]),
+        )?;
         estimated(&a[6..], |f, r, v| method.estimate(f, r, v))
     });
     findings.sweep(
         "OneGauge",
         &[0.02, 1150.0, 1e-3, 0.4, 1600.0, 1.0, 1.0, 1e-6],
         |a| {
-            let method = OneGauge::new(rod(a), strain(a[3]))?
+            let method = OneGauge::new(rod(a), section(strain, a[3]))?
                 .with_wave_speed(a[4])?
                 .with_uncertainty(uncertainty)?;
             estimated(&a[5..], |f, r, v| method.estimate(f, r, v))
