@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use cmod::estimate::{ErrorSource, ModulusLine};
+use cmod::estimate::{ErrorSource, ModulusLine, SystematicShift};
 use cmod::{GaugeSpectra, GaugeUncertainty, GaugedRod, ModulusEstimate, MultiPoint, ThreePoint};
 use num_complex::Complex64;
 
@@ -92,13 +92,9 @@ fn positions_of(n_gauges: usize, of: f64) -> GaugeUncertainty {
 }
 
 /// Returns dγ and dE of a line due to one gauge.
-fn shift(line: &ModulusLine, gauge: usize) -> (Complex64, Complex64) {
-    let shifts = &line.uncertainty.systematic;
-    let of = shifts
-        .iter()
-        .find(|shift| shift.source == ErrorSource::GaugePosition(gauge))
-        .unwrap();
-    (of.propagation_coefficient, of.modulus)
+fn shift(line: &ModulusLine, source: ErrorSource) -> SystematicShift {
+    let mut shifts = line.uncertainty.systematic.iter();
+    *shifts.find(|shift| shift.source == source).unwrap()
 }
 
 const CASES: [(Method, &[f64]); 3] = [
@@ -117,7 +113,8 @@ fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
             elsewhere[gauge] += OFF;
             let wrong = estimate(method, stated, &elsewhere, GaugeUncertainty::default());
             for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
-                let (of_gamma, of_modulus) = shift(right, gauge);
+                let shift = shift(right, ErrorSource::GaugePosition(gauge));
+                let (of_gamma, of_modulus) = (shift.propagation_coefficient, shift.modulus);
                 let moved = wrong.propagation_coefficient - right.propagation_coefficient;
                 // the change of second order is of the order of (OFF k)² γ, because there are no
                 // singular lines here
@@ -165,8 +162,7 @@ fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
                 }
                 let wrong = of_spectra(method, stated, &wrong, GaugeUncertainty::default());
                 for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
-                    let mut shifts = right.uncertainty.systematic.iter();
-                    let shift = shifts.find(|shift| shift.source == source).unwrap();
+                    let shift = shift(right, source);
                     let moved = wrong.modulus - right.modulus;
                     // the change of second order, divided by the shift, is several times the error
                     let tolerance = 0.02 * shift.modulus.norm() + 1e-9 * right.modulus.norm();
@@ -189,7 +185,10 @@ fn r08_shifts_of_all_gauges_together_are_those_of_the_whole_rod() {
     for (method, stated) in CASES {
         let estimate = estimate(method, stated, stated, positions_of(stated.len(), OFF));
         for line in estimate.lines() {
-            let by = |gauge: usize| shift(line, gauge).0 / OFF;
+            let by = |gauge: usize| {
+                let shift = shift(line, ErrorSource::GaugePosition(gauge));
+                shift.propagation_coefficient / OFF
+            };
             let together: Complex64 = (0..stated.len()).map(by).sum();
             let scaled: Complex64 = (0..stated.len())
                 .map(|gauge| stated[gauge] * by(gauge))
@@ -215,18 +214,9 @@ fn r08_an_uncertain_density_is_a_plain_factor_that_is_the_same_on_all_lines() {
         };
         let uncertain = estimate(method, stated, stated, uncertain);
         for (exact, uncertain) in exact.lines().iter().zip(uncertain.lines()) {
-            let of_density =
-                |shift: &&cmod::estimate::SystematicShift| shift.source == ErrorSource::Density;
-            assert!(
-                exact
-                    .uncertainty
-                    .systematic
-                    .iter()
-                    .find(of_density)
-                    .is_none()
-            );
-            let mut shifts = uncertain.uncertainty.systematic.iter();
-            let shift = shifts.find(of_density).unwrap();
+            let of_density = |shift: &SystematicShift| shift.source == ErrorSource::Density;
+            assert!(!exact.uncertainty.systematic.iter().any(of_density));
+            let shift = shift(uncertain, ErrorSource::Density);
             assert!((shift.modulus / uncertain.modulus - 0.001).norm() < 1e-12);
             assert_eq!(uncertain.random_error(), exact.random_error());
             let loss = uncertain.standard_error.loss_factor / exact.standard_error.loss_factor;
