@@ -201,13 +201,15 @@ pub enum CmodError {
         time: f64,
     },
     /// Arrays of readings that belong together differ in length.
-    #[error("{array} has {found} values, expected {expected}, one per time")]
+    #[error("{array} has {found} values, expected {expected}, one per {each}")]
     ReadingCount {
         /// Name of the wrong array.
         array: &'static str,
         /// Length of the wrong array.
         found: usize,
         expected: usize,
+        /// What each value belongs to.
+        each: &'static str,
     },
     /// A reading of a recovery test is impossible.
     #[error("{quantity} of reading {index} of {test} is {value}, expected {expected}")]
@@ -392,6 +394,25 @@ pub(crate) fn check_enough_readings(found: usize, expected: usize) -> Result<(),
         Ok(())
     } else {
         Err(CmodError::TooFewReadings { found, expected })
+    }
+}
+
+/// Accepts an array with one value for `each` of the `expected` things.
+pub(crate) fn check_values(
+    array: &'static str,
+    found: usize,
+    expected: usize,
+    each: &'static str,
+) -> Result<(), CmodError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(CmodError::ReadingCount {
+            array,
+            found,
+            expected,
+            each,
+        })
     }
 }
 

@@ -22,7 +22,7 @@
 use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::error::{CmodError, check_length};
+use crate::error::{CmodError, check_values};
 use crate::estimate::{ModulusEstimate, ModulusLine};
 use crate::section_ratio::RatioMethod;
 
@@ -55,9 +55,9 @@ impl HitTrend {
     /// no scatter.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`] unless there is a value of `over` for each hit.
+    /// [`CmodError::ReadingCount`] unless there is a value of `over` for each hit.
     pub fn of(deviations: Vec<f64>, over: &[f64]) -> Result<Option<Self>, CmodError> {
-        check_length("abscissa of the hits", over.len(), deviations.len())?;
+        check_values("abscissa", over.len(), deviations.len(), "hit")?;
         if deviations.len() < FEWEST_HITS {
             return Ok(None);
         }

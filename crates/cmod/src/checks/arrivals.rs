@@ -1,7 +1,7 @@
 //! First wave in the records of several channels: its arrival and its sign.
 
 use super::{Check, CheckOutcome, check_level, fisher_tail, of_the_least, student_tail_below};
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_not_negative, check_positive, check_values};
 
 /// Minimum number of samples from which a mean square is computed, before the hit or between the
 /// hit and the wave.
@@ -58,7 +58,7 @@ impl<'a> Arrivals<'a> {
     ///
     /// # Errors
     /// [`CmodError::GaugeCount`] for fewer than two channels, [`CmodError::NonPhysical`] for the
-    /// interval or a distance, [`CmodError::LengthMismatch`] for histories of different length,
+    /// interval or a distance, [`CmodError::ReadingCount`] for histories of different length,
     /// [`CmodError::TooFewSamples`] if fewer than 8 samples precede the hit or none follows it,
     /// [`CmodError::NonFiniteSample`].
     pub fn new(channels: Vec<Channel<'a>>, interval: f64, blow: usize) -> Result<Self, CmodError> {
@@ -79,7 +79,8 @@ impl<'a> Arrivals<'a> {
         }
         for (channel, Channel { samples, distance }) in channels.iter().enumerate() {
             check_not_negative("distance from the impacted end [m]", *distance)?;
-            crate::error::check_length("history of a channel", samples.len(), expected)?;
+            let each = "sample of the first channel";
+            check_values("history of a channel", samples.len(), expected, each)?;
             if let Some((index, &value)) = samples.iter().enumerate().find(|(_, s)| !s.is_finite())
             {
                 return Err(CmodError::NonFiniteSample {

@@ -1,7 +1,7 @@
 //! Check of relaxation: a modulus over time does not rise.
 
 use super::{Check, CheckOutcome, check_level, student_tail_below};
-use crate::error::{CmodError, check_length, check_positive};
+use crate::error::{CmodError, check_positive, check_values};
 
 /// Minimum number of points that have a scatter about their regression line.
 const FEWEST: usize = 3;
@@ -30,7 +30,7 @@ const FEWEST: usize = 3;
 /// scatter. The check is undecided for fewer than three points, or if all times are equal.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] for the level, a time or a modulus; [`CmodError::LengthMismatch`].
+/// [`CmodError::NonPhysical`] for the level, a time or a modulus; [`CmodError::ReadingCount`].
 ///
 /// ```
 /// use cmod::checks::relaxation;
@@ -44,7 +44,7 @@ const FEWEST: usize = 3;
 /// ```
 pub fn relaxation(time: &[f64], modulus: &[f64], level: f64) -> Result<CheckOutcome, CmodError> {
     let level = check_level(level)?;
-    check_length("modulus over time", modulus.len(), time.len())?;
+    check_values("modulus over time", modulus.len(), time.len(), "time")?;
     for (time, modulus) in time.iter().zip(modulus) {
         check_positive("time [s]", *time)?;
         check_positive("modulus over time [Pa]", *modulus)?;

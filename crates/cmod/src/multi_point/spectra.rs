@@ -130,11 +130,12 @@ impl GaugeSpectra<'_> {
                 }
             }
         }
-        crate::error::check_length("row of gauges of the noise", self.noise.len(), n_gauges)
-            .map_err(|_| CmodError::GaugeCount {
+        if self.noise.len() != n_gauges {
+            return Err(CmodError::GaugeCount {
                 found: self.noise.len(),
                 expected: "noise of one gauge per position",
-            })?;
+            });
+        }
         for (gauge, noise) in self.noise.iter().enumerate() {
             crate::error::check_length("noise of a gauge", noise.len(), expected)?;
             if let Some((line, &noise)) = noise.iter().enumerate().find(|(_, s)| **s < 0.0) {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::dashpot::{Dashpot, SpringStress};
-use crate::error::{CmodError, check_finite, check_not_negative, check_positive};
+use crate::error::{CmodError, check_finite, check_not_negative, check_positive, check_values};
 
 /// Number of integration steps per period of a sine.
 const STEPS_PER_PERIOD: f64 = 8.0;
@@ -121,13 +121,7 @@ impl LoadHistory {
     /// samples, [`CmodError::NonPhysical`] as in [`LoadHistory::new`]; a decreasing time is
     /// reported as a negative duration.
     pub fn from_samples(time: &[f64], stress: &[f64]) -> Result<Self, CmodError> {
-        if time.len() != stress.len() {
-            return Err(CmodError::ReadingCount {
-                array: "stress",
-                found: stress.len(),
-                expected: time.len(),
-            });
-        }
+        check_values("stress", stress.len(), time.len(), "time")?;
         let segments = time
             .windows(2)
             .zip(stress.windows(2))

@@ -1,7 +1,9 @@
 //! Measurements during the recovery from one load.
 
 use super::LoadHistory;
-use crate::error::{CmodError, check_enough_readings, check_not_negative, check_positive};
+use crate::error::{
+    CmodError, check_enough_readings, check_not_negative, check_positive, check_values,
+};
 
 /// Readings of the change Δtan δ = tan δ - tan δ₀ of the loss factor; one entry per reading in
 /// every array.
@@ -65,13 +67,7 @@ impl RecoveryTest {
             ("change of the loss factor", change.len()),
             ("standard error", standard_error.len()),
         ] {
-            if found != time.len() {
-                return Err(CmodError::ReadingCount {
-                    array,
-                    found,
-                    expected: time.len(),
-                });
-            }
+            check_values(array, found, time.len(), "time")?;
         }
         check_enough_readings(time.len(), 1)?;
         let wrong = |quantity, index, value, expected| CmodError::Reading {

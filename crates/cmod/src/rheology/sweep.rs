@@ -1,7 +1,7 @@
 //! Moduli of a material at several temperatures.
 
 use super::data::ModulusData;
-use crate::error::{CmodError, check_enough_readings, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_positive, check_values};
 
 /// Moduli of one material at several temperatures, with the factor of the modulus at each
 /// temperature, if it is known.
@@ -65,9 +65,10 @@ impl TemperatureSweep {
     /// them is used; if they overlap, the shift is fitted.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all values are finite.
+    /// [`CmodError::ReadingCount`]; [`CmodError::NonPhysical`] unless all values are finite.
     pub fn with_stated_shifts(mut self, log_shifts: &[f64]) -> Result<Self, CmodError> {
-        crate::error::check_length("array of shifts", log_shifts.len(), self.data.len())?;
+        let count = self.data.len();
+        check_values("array of shifts", log_shifts.len(), count, "temperature")?;
         if let Some(value) = log_shifts.iter().find(|value| !value.is_finite()) {
             return Err(CmodError::NonPhysical {
                 quantity: "stated ln a_T",
@@ -83,10 +84,11 @@ impl TemperatureSweep {
     /// temperatures.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all densities are finite
+    /// [`CmodError::ReadingCount`]; [`CmodError::NonPhysical`] unless all densities are finite
     /// and above 0.
     pub fn with_rubber_elasticity(mut self, densities: &[f64]) -> Result<Self, CmodError> {
-        crate::error::check_length("array of densities", densities.len(), self.data.len())?;
+        let count = self.data.len();
+        check_values("array of densities", densities.len(), count, "temperature")?;
         for ((vertical, density), temperature) in self
             .vertical
             .iter_mut()
