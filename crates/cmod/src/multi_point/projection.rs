@@ -401,49 +401,6 @@ fn lost(gamma: Complex64, now: &Objective, iterations: u32) -> Minimum {
 mod tests {
     use super::*;
 
-    const GAMMA: Complex64 = Complex64::new(1.3, 21.0);
-    const POSITIONS: [f64; 4] = [0.1, 0.17, 0.22, 0.31];
-
-    fn line() -> WhiteLine {
-        let weights = vec![1.0, 2.0, 0.5, 1.5];
-        let mut values = Vec::new();
-        for (p, n) in [
-            (Complex64::new(1.0, 0.2), Complex64::new(-0.3, 0.6)),
-            (Complex64::new(0.1, -1.2), Complex64::new(0.8, 0.1)),
-        ] {
-            for (x, w) in POSITIONS.iter().zip(&weights) {
-                values.push((p * (-GAMMA * x).exp() + n * (GAMMA * x).exp()) * w);
-            }
-        }
-        WhiteLine::of_values(values, weights)
-    }
-
-    #[test]
-    fn two_waves_leave_nothing_at_their_own_propagation_coefficient() {
-        let mut projection = Projection::new(&POSITIONS);
-        let line = line();
-        let at = projection.evaluate(GAMMA, &line).unwrap();
-        // the tolerance is the square of the rounding error of the values
-        assert!(at.misfit < 1e-28 * line.power);
-        // near the minimum V = |δγ|² d^H d; the next order is given by the curvature, which is of
-        // the order of the aperture
-        for delta in [Complex64::new(1e-5, 0.0), Complex64::new(0.0, 1e-5)] {
-            let beside = projection.evaluate(GAMMA + delta, &line).unwrap();
-            let ratio = beside.misfit / (at.information * delta.norm_sqr());
-            assert!((ratio - 1.0).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn the_minimum_is_found_from_half_a_radian_away() {
-        let mut projection = Projection::new(&POSITIONS);
-        let found = projection
-            .minimise(GAMMA + Complex64::new(-0.8, 2.0), &line())
-            .unwrap();
-        assert!(found.termination.was_successful());
-        assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
-    }
-
     #[test]
     fn what_cannot_be_told_apart_is_refused() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);

@@ -6,8 +6,8 @@ use cmod::estimate::{ModulusEstimate, VarianceFreedom};
 use cmod::multi_point::Quantity;
 use cmod::section_ratio::{RatioLines, RatioMethod};
 use cmod::{
-    CmodError, EndSection, FreeEnd, GaugeSpectra, GaugedRod, MultiPoint, OneGauge, PulsedRod,
-    Resonances, SeparatePulses, Specimen, ThreePoint, TwoPoint,
+    EndSection, FreeEnd, GaugeSpectra, GaugedRod, MultiPoint, OneGauge, PulsedRod, Resonances,
+    SeparatePulses, Specimen, ThreePoint, TwoPoint,
 };
 use num_complex::Complex64;
 
@@ -28,7 +28,7 @@ fn gamma(frequency_hz: f64) -> Complex64 {
 fn estimate(
     frequency_hz: &[f64],
     ratio: impl Fn(Complex64) -> Complex64,
-    of: impl Fn(&RatioLines<'_>) -> Result<ModulusEstimate, CmodError>,
+    method: &dyn RatioMethod,
 ) -> [ModulusEstimate; 2] {
     let ratio: Vec<Complex64> = frequency_hz.iter().map(|f| ratio(gamma(*f))).collect();
     let variance: Vec<f64> = ratio.iter().map(|psi| 1e-6 * psi.norm_sqr()).collect();
@@ -38,7 +38,7 @@ fn estimate(
         freedom: Some(&freedom),
         ..known
     };
-    [of(&few).unwrap(), of(&known).unwrap()]
+    [few, known].map(|lines| method.estimate_ratio(&lines).unwrap())
 }
 
 /// The errors are those of the known variance, and their degrees of freedom are stated. The factor
@@ -72,22 +72,14 @@ fn r14_every_method_of_a_ratio_carries_degrees_of_freedom() {
     let found = estimate(
         &frequency_hz,
         |gamma| 2.0 * (0.25 * gamma).cosh(),
-        |lines| free_end.estimate_ratio(lines),
+        &free_end,
     );
     assert_freedom(&found, 4.0, "free end");
     let pulses = SeparatePulses::new(PULSED).unwrap();
-    let found = estimate(
-        &frequency_hz,
-        |gamma| (-0.4 * gamma).exp(),
-        |lines| pulses.estimate_ratio(lines),
-    );
+    let found = estimate(&frequency_hz, |gamma| (-0.4 * gamma).exp(), &pulses);
     assert_freedom(&found, 4.0, "separate pulses");
     let gauge = OneGauge::new(rod, strain(0.2)).unwrap();
-    let found = estimate(
-        &frequency_hz,
-        |gamma| -(-0.4 * gamma).exp(),
-        |lines| gauge.estimate_ratio(lines),
-    );
+    let found = estimate(&frequency_hz, |gamma| -(-0.4 * gamma).exp(), &gauge);
     assert_freedom(&found, 4.0, "one gauge");
     let ends = TwoPoint::new(Specimen {
         length: 0.8,
@@ -96,11 +88,7 @@ fn r14_every_method_of_a_ratio_carries_degrees_of_freedom() {
         accelerometer_mass: 0.0,
     });
     let ends = ends.unwrap();
-    let found = estimate(
-        &frequency_hz,
-        |gamma| (0.8 * gamma).cosh(),
-        |lines| ends.estimate_ratio(lines),
-    );
+    let found = estimate(&frequency_hz, |gamma| (0.8 * gamma).cosh(), &ends);
     assert_freedom(&found, 4.0, "two-point");
 }
 
@@ -109,11 +97,7 @@ fn r14_every_method_of_a_ratio_carries_degrees_of_freedom() {
 #[test]
 fn r14_resonances_have_the_degrees_of_freedom_of_their_lines() {
     let method = Resonances::new(with_end_mass(0.0), 0.8).unwrap();
-    let [few, known] = estimate(
-        &lines(800, 10.0),
-        |gamma| (0.8 * gamma).cosh(),
-        |lines| method.estimate_ratio(lines),
-    );
+    let [few, known] = estimate(&lines(800, 10.0), |gamma| (0.8 * gamma).cosh(), &method);
     assert!(known.lines().len() >= 6);
     for (line, certain) in few.lines().iter().zip(known.lines()) {
         // there are some 10 lines within 0.3 rad of kL on either side
