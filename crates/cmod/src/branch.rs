@@ -221,25 +221,6 @@ impl Branch {
 mod tests {
     use super::*;
 
-    /// Compares every root, in any quadrant, with the logarithmic formula of the inverse hyperbolic
-    /// cosine.
-    #[test]
-    fn closed_form_is_the_inverse_hyperbolic_cosine() {
-        for i in 0..40 {
-            for j in 0..40 {
-                let gamma_length =
-                    Complex64::new(0.05 + 0.1 * f64::from(i), -3.1 + 0.157 * f64::from(j));
-                let ratio = gamma_length.cosh();
-                let root = FreeEndRoot::of(ratio);
-                let other = ratio.acosh();
-                // the tolerance is 1e-12, because acosh forms differences of order 1 near Ψ = ±1,
-                // where |sinh γL| >= 0.05.
-                assert!((root.damping_length - other.re.abs()).abs() < 1e-12);
-                assert!((root.principal_phase - gamma_length.im).abs() < 1e-12);
-            }
-        }
-    }
-
     /// Root of a large ratio, for which cosh x = e^x/2: αL = ln 2|Ψ|, and kL is the phase of Ψ.
     #[test]
     fn a_ratio_whose_squares_overflow_has_the_root_of_the_exponential() {

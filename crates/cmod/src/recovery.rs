@@ -306,33 +306,25 @@ mod tests {
 
     #[test]
     fn impossible_parameters_are_refused() {
-        let text = |parameters| ThreeElement::new(parameters).unwrap_err().to_string();
+        let text = |change: fn(&mut ThreeElementParameters)| {
+            let mut parameters = PRINTED;
+            change(&mut parameters);
+            ThreeElement::new(parameters).unwrap_err().to_string()
+        };
         assert_eq!(
-            text(ThreeElementParameters {
-                series_modulus: f64::NAN,
-                ..PRINTED
-            }),
+            text(|parameters| parameters.series_modulus = f64::NAN),
             "series modulus [Pa] is NaN, expected a finite value above 0"
         );
         assert_eq!(
-            text(ThreeElementParameters {
-                parallel_modulus: -1.0,
-                ..PRINTED
-            }),
+            text(|parameters| parameters.parallel_modulus = -1.0),
             "parallel modulus [Pa] is -1, expected a finite value above 0"
         );
         assert_eq!(
-            text(ThreeElementParameters {
-                coefficient: 0.0,
-                ..PRINTED
-            }),
+            text(|parameters| parameters.coefficient = 0.0),
             "coefficient [Pa^-(m+1) s^-1] is 0, expected a finite value above 0"
         );
         assert_eq!(
-            text(ThreeElementParameters {
-                exponent: -0.5,
-                ..PRINTED
-            }),
+            text(|parameters| parameters.exponent = -0.5),
             "exponent is -0.5, expected a finite value, 0 or above"
         );
     }

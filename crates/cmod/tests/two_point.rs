@@ -4,4 +4,4 @@
 mod end_masses;
 mod errors;
 mod export;
-mod rod;
+pub(crate) mod rod;

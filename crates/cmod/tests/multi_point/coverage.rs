@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use cmod::multi_point::Quantity;
 use cmod::validity::AcceptanceLimits;
-use cmod::{ModulusLine, MultiPoint, ThreePoint};
+use cmod::{ModulusLine, MultiPoint};
 use num_complex::Complex64;
 use rand_distr::{Distribution, Uniform};
 use rodwave::waves::TravellingWaves;
@@ -44,28 +44,6 @@ fn set_up(
     let noise: Vec<f64> = relative.iter().map(|noise| noise * size).collect();
     let noise = flat(&noise, frequency_hz.len());
     (frequency_hz, spectra, noise)
-}
-
-#[test]
-fn closed_form_states_its_errors() {
-    let positions = [0.25, 0.4, 0.55];
-    let method = ThreePoint::new(rod(&positions))
-        .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
-        .unwrap();
-    for structure in STRUCTURES {
-        let (frequency_hz, spectra, noise) = set_up(structure, &positions, &[2e-3, 1e-3, 3e-3]);
-        let mut coverage = Coverage::default();
-        for seed in 0..SEEDS {
-            let strains = noisy(&spectra, &noise, seed);
-            let estimate = method.estimate(&clean(&frequency_hz, &[&strains], &noise));
-            let estimate = estimate.unwrap();
-            estimate.valid().for_each(|line| add(&mut coverage, line));
-        }
-        coverage.check_within(&format!("{structure:?}"), USUAL);
-        if structure == Structure::II {
-            coverage.check_within("II", OF_25_000);
-        }
-    }
 }
 
 fn least_squares(positions: &[f64]) -> MultiPoint {
