@@ -65,6 +65,7 @@ use crate::error::{CmodError, check_enough_readings};
 use crate::estimate::ErrorSource;
 use crate::rheology::{ModulusData, PredictedModulus, VarianceScatter};
 use crate::self_calibration::CalibratedSource;
+use crate::vectors::subtract;
 use draws::Draws;
 use projection::{Projection, Value, Whitened};
 
@@ -350,19 +351,15 @@ fn products(first: &[Complex64], second: &[Complex64]) -> [[f64; 2]; 2] {
     let mut sum = [[0.0; 2]; 2];
     for (a, b) in first.iter().zip(second) {
         for (row, a) in sum.iter_mut().zip([a.re, a.im]) {
-            for (entry, b) in row.iter_mut().zip([b.re, b.im]) {
-                *entry += a * b;
-            }
+            subtract(row, -a, &[b.re, b.im]);
         }
     }
     sum
 }
 
 fn sum(mut first: [[f64; 2]; 2], second: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    for (row, own) in first.iter_mut().zip(second) {
-        for (entry, own) in row.iter_mut().zip(own) {
-            *entry += own;
-        }
+    for (row, own) in first.iter_mut().zip(&second) {
+        subtract(row, -1.0, own);
     }
     first
 }

@@ -92,7 +92,7 @@ const LARGEST_ERROR: f64 = 0.03;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct SelfCalibration {
-    estimate: ModulusEstimate,
+    pub(crate) estimate: ModulusEstimate,
     sources: Vec<CalibratedSource>,
     /// Number of informative lines, before at most [`MOST_LINES`] of them are chosen.
     lines: usize,

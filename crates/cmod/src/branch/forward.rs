@@ -451,4 +451,4 @@ fn log_sum(a: f64, b: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

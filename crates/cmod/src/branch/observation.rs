@@ -269,7 +269,11 @@ fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
     }
     // half of the distance between the two roots of the parabola
     let apart = (root / curvature).norm();
-    let mut nearest = Nearest::to(expected);
+    let mut nearest = Nearest {
+        expected,
+        first: None,
+        second: None,
+    };
     let start = expected + 2.0 * misfit / (slope + root);
     let first = settle(observation, observed, start)
         .filter(|first| (first.x - start).norm() < NEAR_PARABOLA * apart);
@@ -294,14 +298,6 @@ struct Nearest {
 }
 
 impl Nearest {
-    fn to(expected: Complex64) -> Self {
-        Self {
-            expected,
-            first: None,
-            second: None,
-        }
-    }
-
     fn is_nearer(&self, root: Complex64, other: Option<Complex64>) -> bool {
         let distance = |root: Complex64| (root - self.expected).norm_sqr();
         other.is_none_or(|other| distance(root) < distance(other))

@@ -181,7 +181,7 @@ impl Poles {
             if expected + reach > HIGHEST * rate_hz {
                 break;
             }
-            let mut best: Option<Mean> = None;
+            let mut best: Option<Fit> = None;
             let mut of_best = 0;
             for (part, spectra) in parts.iter().enumerate() {
                 let fits = spectra
@@ -198,7 +198,7 @@ impl Poles {
                 }
             }
             match best {
-                Some(Mean {
+                Some(Fit {
                     s,
                     variance,
                     freedom,
@@ -280,24 +280,15 @@ fn after_a_decay(record: &[f64], length: usize, decay: f64) -> Option<&[f64]> {
 
 /// Returns true if the decay rate of a mode changes by more than [`CHANGES_BEYOND`] standard errors
 /// and by more than the fraction [`CHANGES`].
-fn differ((s, variance): (Complex64, f64), later: &Mean) -> bool {
+fn differ((s, variance): (Complex64, f64), later: &Fit) -> bool {
     let apart = (s.re - later.s.re).abs();
     // half of E|δs|² is the variance of the decay rate
     let error = (0.5 * (variance + later.variance)).sqrt();
     apart > CHANGES_BEYOND * error && apart > CHANGES * s.re.abs()
 }
 
-/// Mean of the poles of a mode from several records.
-struct Mean {
-    s: Complex64,
-    variance: f64,
-    freedom: f64,
-    /// Half the width of the widest band of fitted lines \[Hz\].
-    width_hz: f64,
-}
-
 /// Returns the mean of the poles of several records.
-fn mean(fits: &[Fit]) -> Option<Mean> {
+fn mean(fits: &[Fit]) -> Option<Fit> {
     let weights: f64 = fits.iter().map(|fit| fit.variance.recip()).sum();
     let sum: Complex64 = fits.iter().map(|fit| fit.s / fit.variance).sum();
     let freedom: f64 = fits.iter().map(|fit| fit.freedom).sum();
@@ -319,7 +310,7 @@ fn mean(fits: &[Fit]) -> Option<Mean> {
     } else {
         (weights.recip(), freedom)
     };
-    (!fits.is_empty() && mean.is_finite()).then(|| Mean {
+    (!fits.is_empty() && mean.is_finite()).then(|| Fit {
         s: mean,
         variance,
         freedom,
@@ -327,12 +318,12 @@ fn mean(fits: &[Fit]) -> Option<Mean> {
     })
 }
 
-/// Fit of a mode in one record.
+/// Fit of a mode in one record, or the mean of several.
 struct Fit {
     s: Complex64,
     variance: f64,
     freedom: f64,
-    /// Half the width of the band of fitted lines \[Hz\].
+    /// Half the width of the widest band of fitted lines \[Hz\].
     width_hz: f64,
 }
 

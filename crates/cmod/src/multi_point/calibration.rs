@@ -156,7 +156,8 @@ impl SelfCalibration {
         if let Some(found) = &mut found
             && method.added_damping() > 0.0
         {
-            found.continue_to_axis(
+            found.estimate = continuation::on_axis(
+                &found.estimate,
                 method.added_damping(),
                 method.rod().diameter,
                 method.rod().aperture(),

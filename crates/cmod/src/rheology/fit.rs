@@ -19,6 +19,7 @@ use super::whiteness::Whiteness;
 use crate::directions::Directions;
 use crate::error::{CmodError, check_enough_readings, check_positive};
 pub use crate::recovery::fit::ErrorScale;
+use crate::vectors::subtract;
 
 /// Criterion for the comparison of laws and of orders of a Prony series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -418,10 +419,8 @@ pub(super) fn mean_of(
         .sum();
     let mut sum = [[0.0; 2]; 2];
     for (weight, modulus, covariance) in parts {
-        for (row, own) in sum.iter_mut().zip(covariance) {
-            for (entry, own) in row.iter_mut().zip(own) {
-                *entry += weight * own;
-            }
+        for (row, own) in sum.iter_mut().zip(&covariance) {
+            subtract(row, -weight, own);
         }
         add_square(&mut sum, weight, modulus - mean);
     }
@@ -432,9 +431,7 @@ pub(super) fn mean_of(
 fn add_square(covariance: &mut [[f64; 2]; 2], weight: f64, difference: Complex64) {
     let parts = [difference.re, difference.im];
     for (row, own) in covariance.iter_mut().zip(parts) {
-        for (entry, other) in row.iter_mut().zip(parts) {
-            *entry += weight * own * other;
-        }
+        subtract(row, -weight * own, &parts);
     }
 }
 

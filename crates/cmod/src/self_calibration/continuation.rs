@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::line::LinearisedLine;
 use super::smooth::Smoothing;
-use super::{SelfCalibration, taking_part};
+use super::taking_part;
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal};
@@ -139,18 +139,5 @@ impl Continuation {
             shift.propagation_coefficient *= turn;
         }
         Some(continued)
-    }
-}
-
-impl SelfCalibration {
-    /// Continues the estimate, which is on the lines s, to the axis.
-    pub(crate) fn continue_to_axis(
-        &mut self,
-        added_damping: f64,
-        diameter: f64,
-        length: f64,
-    ) -> Result<(), CmodError> {
-        self.estimate = on_axis(&self.estimate, added_damping, diameter, length)?;
-        Ok(())
     }
 }

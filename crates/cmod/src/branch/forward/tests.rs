@@ -54,17 +54,27 @@ fn an_impossible_course_stands_lower() {
     assert!((at(-7.0, 5.0, 1e-3) + 1.5 + 32.0).abs() < 1e-9);
 }
 
-fn line(omega: f64, root: Complex64, variance: f64) -> LineAt<'static> {
+pub(in crate::branch) fn line_at(
+    omega: f64,
+    length: f64,
+    observed: Complex64,
+    variance: f64,
+) -> LineAt<'static> {
+    let sight = Sight {
+        observation: &FreeEnd,
+        length,
+        observed,
+        variance,
+    };
     LineAt {
         omega,
         missing: false,
-        sight: Sight {
-            observation: &FreeEnd,
-            length: 2.0,
-            observed: FreeEnd.expand(root)[0],
-            variance,
-        },
+        sight,
     }
+}
+
+fn line(omega: f64, root: Complex64, variance: f64) -> LineAt<'static> {
+    line_at(omega, 2.0, FreeEnd.expand(root)[0], variance)
 }
 
 #[test]

@@ -1,18 +1,8 @@
 use super::*;
-use crate::branch::observation::FreeEnd;
-use crate::branch::path::Sight;
+use crate::branch::forward::tests::line_at;
 
 fn line(omega: f64, observed: f64, variance: f64) -> LineAt<'static> {
-    LineAt {
-        omega,
-        missing: false,
-        sight: Sight {
-            observation: &FreeEnd,
-            length: 1.0,
-            observed: Complex64::new(observed, 0.0),
-            variance,
-        },
-    }
+    line_at(omega, 1.0, observed.into(), variance)
 }
 
 fn places(records: &[usize]) -> Vec<Place> {

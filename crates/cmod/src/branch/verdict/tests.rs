@@ -1,6 +1,6 @@
 use super::*;
+use crate::branch::forward;
 use crate::branch::observation::{FreeEnd, PhaseObservation};
-use crate::branch::path::Sight;
 
 fn gamma(re: f64, im: f64) -> Complex64 {
     Complex64::new(re, im)
@@ -157,16 +157,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
 }
 
 fn line_at(observed: Complex64, variance: f64) -> LineAt<'static> {
-    LineAt {
-        omega: 1000.0,
-        missing: false,
-        sight: Sight {
-            observation: &FreeEnd,
-            length: 1.0,
-            observed,
-            variance,
-        },
-    }
+    forward::tests::line_at(1000.0, 1.0, observed, variance)
 }
 
 #[test]
