@@ -25,8 +25,10 @@ use num_complex::Complex64;
 use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
-use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
+use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell};
 use testbed::noise::Noise;
+
+use crate::rheology::measured::series;
 
 const LENGTH: f64 = 1.2;
 const DIAMETER: f64 = 0.0106;
@@ -48,13 +50,8 @@ fn rod() -> RodWithFreeEnd {
 /// Returns a material with loss factors of about 0.06 between 100 Hz and 20 kHz, whose wave front
 /// travels at 1800 m/s.
 fn relaxing() -> Medium<GeneralisedMaxwell> {
-    let branches: Vec<MaxwellBranch> = (0..6)
-        .map(|j| MaxwellBranch {
-            modulus: 1.3e8,
-            relaxation_time: 3e-6 * 4f64.powi(j),
-        })
-        .collect();
-    Medium::new(DENSITY, GeneralisedMaxwell::new(2.14e9, branches).unwrap()).unwrap()
+    let branches: Vec<(f64, f64)> = (0..6).map(|j| (1.3e8, 3e-6 * 4f64.powi(j))).collect();
+    Medium::new(DENSITY, series(2.14e9, &branches)).unwrap()
 }
 
 /// Returns the speed of the wave front, from the unrelaxed modulus.

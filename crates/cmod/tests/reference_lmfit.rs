@@ -6,7 +6,8 @@ use cmod::rheology::{
     FitOptions, FittedLaw, Law, ModulusData, ModulusPoint, RheologicalFit, Scale,
 };
 use num_complex::Complex64;
-use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
+
+use crate::rheology::measured::series;
 
 const DATA: &str = include_str!("../../../fixtures/reference/lmfit/data.csv");
 const FITS: &str = include_str!("../../../fixtures/reference/lmfit/fits.csv");
@@ -46,7 +47,7 @@ fn quantity(case: &str, quantity: &str) -> Vec<(usize, usize, f64)> {
         .collect()
 }
 
-fn coordinate(scale: Scale, value: f64) -> f64 {
+pub(crate) fn coordinate(scale: Scale, value: f64) -> f64 {
     match scale {
         Scale::Ratio => value.ln(),
         Scale::LogOdds => (value / (1.0 - value)).ln(),
@@ -122,11 +123,7 @@ fn five_parameters_are_lmfits() {
 fn a_prony_series_is_lmfits() {
     let case = "prony";
     let branches = [(0.7e9, 1.2e-5), (0.4e9, 3e-4), (0.6e9, 2e-3)];
-    let branches = branches.map(|(modulus, relaxation_time)| MaxwellBranch {
-        modulus,
-        relaxation_time,
-    });
-    let start = GeneralisedMaxwell::new(1.2e9, branches.to_vec()).unwrap();
+    let start = series(1.2e9, &branches);
     let fit = RheologicalFit::from_start(
         &data(case),
         &FittedLaw::GeneralisedMaxwell(start),

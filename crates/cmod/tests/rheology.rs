@@ -4,7 +4,7 @@ mod cards;
 mod common_errors;
 mod comparison;
 mod laws;
-mod measured;
+pub(crate) mod measured;
 mod order;
 mod over_time;
 mod refusals;

@@ -3,7 +3,7 @@
 
 use cmod::rheology::{
     Ending, ErrorScale, FitOptions, FittedLaw, Law, ModulusData, ModulusPoint, PronyFit,
-    RheologicalFit, Scale,
+    RheologicalFit,
 };
 use num_complex::Complex64;
 use rodwave::medium::PropagationLaw;
@@ -14,6 +14,7 @@ use testbed::hold;
 
 use super::measured::{Noise, logarithmic, measured, series};
 use crate::materials::printed_nylon;
+use crate::reference_lmfit::coordinate;
 
 type Truth = (Law, Box<dyn Fn(f64) -> Complex64>, Vec<f64>);
 
@@ -124,13 +125,9 @@ fn covariance_is_the_scatter_and_intervals_cover() {
                 .parameters
                 .iter()
                 .zip(&truth)
-                .map(|(parameter, truth)| match parameter.scale {
-                    Scale::Ratio => (parameter.value / truth).ln(),
-                    Scale::LogOdds => {
-                        let odds = |a: f64| (a / (1.0 - a)).ln();
-                        odds(parameter.value) - odds(*truth)
-                    }
-                    _ => parameter.value - truth,
+                .map(|(parameter, truth)| {
+                    let of = |value| coordinate(parameter.scale, value);
+                    of(parameter.value) - of(*truth)
                 })
                 .collect();
             for i in 0..p {

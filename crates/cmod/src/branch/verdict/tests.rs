@@ -281,36 +281,21 @@ fn doubts_come_in_the_order_of_their_weight() {
     };
     let clear = verdict(1.0, Some(1.0), smoothed);
     let roots = (at, gamma(0.2, 4.2));
-    assert_eq!(
-        ask(&clear, at, 0.99995, roots, (0.0, None)),
-        (None, 0.99995)
-    );
+    let usual = |verdict: &Verdict| ask(verdict, at, 0.99995, roots, (0.0, None));
+    assert_eq!(usual(&clear), (None, 0.99995));
     // a confidence equal to the required one is sufficient
     assert_eq!(ask(&clear, at, 0.9999, roots, (0.0, None)), (None, 0.9999));
     let lost = Verdict {
         determined: false,
         ..verdict(1.0, Some(1.0), smoothed)
     };
-    assert_eq!(
-        ask(&lost, at, 0.99995, roots, (0.0, None)),
-        (Some(BranchDoubt::Undetermined), 0.0)
-    );
-    assert_eq!(
-        ask(
-            &verdict(6.5, Some(1.0), smoothed),
-            at,
-            0.99995,
-            roots,
-            (0.0, None)
-        ),
-        (
-            Some(BranchDoubt::Erratic {
-                chi_square: 6.5,
-                limit: 6.0
-            }),
-            0.0
-        )
-    );
+    assert_eq!(usual(&lost), (Some(BranchDoubt::Undetermined), 0.0));
+    let erratic = BranchDoubt::Erratic {
+        chi_square: 6.5,
+        limit: 6.0,
+    };
+    let misfit = verdict(6.5, Some(1.0), smoothed);
+    assert_eq!(usual(&misfit), (Some(erratic), 0.0));
     // with a standard error of 0.01, a damping of five standard errors below 0 means a wrong count
     // of waves; three standard errors below 0 are noise
     let (doubt, confidence) = ask(&clear, gamma(-0.05, 2.0), 0.99995, roots, (0.0, None));
