@@ -22,7 +22,7 @@ pub(crate) const GAIN: f64 = 0.014;
 pub(crate) const DELAY: f64 = 3e-6;
 
 /// Simulated waves have no lateral inertia.
-const WIDE: AcceptanceLimits = AcceptanceLimits {
+pub(crate) const WIDE: AcceptanceLimits = AcceptanceLimits {
     storage_modulus: 0.5,
     loss_factor: 1.0,
     ..AcceptanceLimits::ONE_DIMENSIONAL

@@ -6,7 +6,6 @@ use std::ops::Range;
 use cmod::estimate::{ErrorSource, Refusal};
 use cmod::multi_point::Quantity;
 use cmod::self_calibration::SelfCalibration;
-use cmod::validity::AcceptanceLimits;
 use cmod::{
     CmodError, GaugeSpectra, GaugeUncertainty, GaugedRod, ModulusEstimate, MultiPoint,
     MultiPointEstimate,
@@ -16,14 +15,10 @@ use testbed::claim::{Claims, Within};
 use testbed::hold;
 use testbed::long_bar::LongBar;
 
+use crate::self_calibration::WIDE;
+
 /// Number of samples before the hit.
 const SILENT: usize = 225;
-
-pub(super) const WIDE: AcceptanceLimits = AcceptanceLimits {
-    storage_modulus: 0.5,
-    loss_factor: 1.0,
-    ..AcceptanceLimits::ONE_DIMENSIONAL
-};
 
 fn rod(positions: &[f64]) -> GaugedRod {
     GaugedRod {

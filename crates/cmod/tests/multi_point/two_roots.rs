@@ -6,7 +6,8 @@ use cmod::{GaugeSpectra, GaugedRod, MultiPoint};
 use num_complex::Complex64;
 use testbed::long_bar::LongBar;
 
-use super::free_end::{Shot, WIDE};
+use super::free_end::Shot;
+use crate::self_calibration::WIDE;
 
 /// Gauges 1.0 and 0.6 m before the free end. With polypropylene the derivative of sinh γd₁/sinh γd₂
 /// vanishes near 2.5 kHz, at γ = (1.33 + 10.67i)/m, 0.2/m from the γ of the bar.

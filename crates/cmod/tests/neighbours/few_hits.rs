@@ -162,10 +162,7 @@ fn r14_noise_of_gauges_carries_degrees_of_freedom() {
 fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
     // delay of the centre of energy of a pulse of some kilohertz, over 0.4 m at 1700 m/s
     let delay = 0.4 * gamma(3000.0).im / (TAU * 3000.0);
-    let one_dimensional = cmod::validity::AcceptanceLimits {
-        greatest_poisson_ratio: 0.0,
-        ..Default::default()
-    };
+    let one_dimensional = cmod::validity::AcceptanceLimits::ONE_DIMENSIONAL;
     for of_delay in [1.2, 1.6, 2.0, 2.2] {
         let frequency_hz = lines(40, 1.0 / (of_delay * delay));
         let ratio: Vec<Complex64> = frequency_hz

@@ -9,11 +9,11 @@ use cmod::rheology::{
     CommonError, FitOptions, Law, MasterCurve, ModulusData, RheologicalFit, Scale, TemperatureSweep,
 };
 use cmod::two_point::SpecimenUncertainty;
-use cmod::validity::AcceptanceLimits;
 use cmod::{Specimen, TwoPoint};
 use num_complex::Complex64;
 
 use super::measured::{Noise, logarithmic, measured};
+use crate::self_calibration::WIDE;
 use testbed::noise;
 
 const BELIEVED: Specimen = Specimen {
@@ -56,14 +56,8 @@ fn ratio(specimen: &Specimen, variance: f64, random: &mut noise::Noise) -> Vec<C
 }
 
 fn data_of(ratio: &[Complex64], variance: f64, uncertainty: SpecimenUncertainty) -> ModulusData {
-    let limits = AcceptanceLimits {
-        storage_modulus: 0.5,
-        loss_factor: 1.0,
-        greatest_poisson_ratio: 0.0,
-        ..AcceptanceLimits::default()
-    };
     let estimate = TwoPoint::new(BELIEVED)
-        .and_then(|method| method.with_limits(limits))
+        .and_then(|method| method.with_limits(WIDE))
         .and_then(|method| method.with_specimen_uncertainty(uncertainty))
         .and_then(|method| method.estimate(&frequencies(), ratio, &vec![variance; ratio.len()]))
         .unwrap();

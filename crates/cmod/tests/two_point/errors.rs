@@ -37,6 +37,11 @@ fn polypropylene() -> Medium<ConstantQ> {
     materials::polypropylene(SPECIMEN.density)
 }
 
+fn limited(limits: AcceptanceLimits) -> TwoPoint {
+    let method = TwoPoint::new(SPECIMEN).unwrap();
+    method.with_limits(limits).unwrap()
+}
+
 /// Means of products of deviations of α, k, ω/k, E', E'' and E''/E'.
 #[derive(Default, Clone, Copy)]
 struct Moments {
@@ -113,9 +118,8 @@ fn linear_propagation_is_that_of_monte_carlo() {
             density: part * UNCERTAINTY.density,
             accelerometer_mass: part * UNCERTAINTY.accelerometer_mass,
         };
-        let clean = TwoPoint::new(SPECIMEN)
-            .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
-            .and_then(|method| method.with_specimen_uncertainty(uncertainty))
+        let clean = limited(AcceptanceLimits::NONE)
+            .with_specimen_uncertainty(uncertainty)
             .and_then(|method| method.estimate(&frequency_hz, &exact, &variance))
             .unwrap();
         let mut random = Noise::seeded(1993);
@@ -228,10 +232,8 @@ fn of_noise(claims: &mut Claims) {
     let frequency_hz = [400.0, 1060.0, 1900.0, 3150.0, 6000.0];
     let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
     let variance: Vec<f64> = ratio.iter().map(|psi| 1e-6 * psi.norm_sqr()).collect();
-    let estimate = TwoPoint::new(SPECIMEN)
-        .and_then(|method| method.with_limits(AcceptanceLimits::NONE))
-        .and_then(|method| method.estimate(&frequency_hz, &ratio, &variance))
-        .unwrap();
+    let method = limited(AcceptanceLimits::NONE);
+    let estimate = method.estimate(&frequency_hz, &ratio, &variance).unwrap();
     assert_eq!(estimate.lines().len(), 5);
     let mu = SPECIMEN.mass_ratio();
     let error = |line: &ModulusLine| {
@@ -326,10 +328,7 @@ fn lines_whose_error_bends_are_marked() {
     let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
     let noise = 0.02;
     let variance: Vec<f64> = ratio.iter().map(|r| (noise * r.norm()).powi(2)).collect();
-    let method = TwoPoint::new(SPECIMEN)
-        .unwrap()
-        .with_limits(AcceptanceLimits::NONE)
-        .unwrap();
+    let method = limited(AcceptanceLimits::NONE);
     let estimate = method.estimate(&frequency_hz, &ratio, &variance).unwrap();
     let bends = |line: &&ModulusLine| {
         let is_near = |v: &Violation| matches!(v, Violation::NearSingular { .. });
@@ -382,10 +381,7 @@ fn coherence_is_asked_if_wished() {
         coherence: 0.999,
         ..AcceptanceLimits::NONE
     };
-    let method = TwoPoint::new(SPECIMEN)
-        .unwrap()
-        .with_limits(limits)
-        .unwrap();
+    let method = limited(limits);
     let averaged = |coherence: &[f64], averages: f64| {
         method.estimate_averaged(&AveragedRatio {
             frequency_hz: &frequency_hz,
@@ -424,13 +420,10 @@ fn r15_common_errors_stand_beside_and_judge_no_line() {
     let frequency_hz: Vec<f64> = (1..=60).map(|j| 100.0 * f64::from(j)).collect();
     let ratio = acceleration_ratio(&polypropylene(), &SPECIMEN, 0.0, &frequency_hz);
     let estimate = |density: f64, variance: f64, limits: AcceptanceLimits| {
-        TwoPoint::new(SPECIMEN)
-            .and_then(|method| method.with_limits(limits))
-            .and_then(|method| {
-                method.with_specimen_uncertainty(SpecimenUncertainty {
-                    density,
-                    ..SpecimenUncertainty::default()
-                })
+        limited(limits)
+            .with_specimen_uncertainty(SpecimenUncertainty {
+                density,
+                ..SpecimenUncertainty::default()
             })
             .and_then(|method| method.estimate(&frequency_hz, &ratio, &[variance; 60]))
             .unwrap()

@@ -166,11 +166,7 @@ impl VirtualTest {
 fn check(label: u32, bits: u32, seeds: u64, least_valid: usize) {
     let test = VirtualTest::new(label, bits);
     // the waves of the rig have no lateral inertia
-    let limits = AcceptanceLimits {
-        greatest_poisson_ratio: 0.0,
-        ..AcceptanceLimits::default()
-    };
-    let coverage = test.coverage(seeds, limits);
+    let coverage = test.coverage(seeds, AcceptanceLimits::ONE_DIMENSIONAL);
     let lines = coverage.lines;
     let least = least_valid * usize::try_from(seeds).unwrap();
     assert!(

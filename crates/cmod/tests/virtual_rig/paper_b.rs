@@ -135,10 +135,7 @@ impl Structure {
             })
         };
         // the waves of the rig have no lateral inertia
-        let limits = AcceptanceLimits {
-            greatest_poisson_ratio: 0.0,
-            ..AcceptanceLimits::default()
-        };
+        let limits = AcceptanceLimits::ONE_DIMENSIONAL;
         let three = ThreePoint::new(rod(&THREE)).unwrap();
         let three = three.with_limits(limits).unwrap();
         let five = MultiPoint::new(rod(&FIVE)).unwrap();
