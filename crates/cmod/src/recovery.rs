@@ -228,7 +228,7 @@ impl ThreeElement {
 mod tests {
     use super::*;
 
-    const PRINTED: ThreeElementParameters = ThreeElementParameters {
+    pub(super) const PRINTED: ThreeElementParameters = ThreeElementParameters {
         series_modulus: 3100e6,
         parallel_modulus: 13100.0,
         coefficient: 4.55e-21,

@@ -211,6 +211,9 @@ impl Backward {
 
 #[cfg(test)]
 mod tests {
+    use faer::linalg::solvers::Solve as _;
+    use faer::{Mat, Side};
+
     use super::*;
     use crate::branch::observation::FreeEnd;
 
@@ -312,14 +315,15 @@ mod tests {
             }
         }
         smoothed.reverse();
-        for index in 0..N {
-            let unit = |k: usize| if k == 2 * index { 1.0 } else { 0.0 };
-            let solution = eliminate(&normal, &right);
-            let variance = eliminate(&normal, &(0..2 * N).map(unit).collect::<Vec<_>>());
+        let factor = Mat::from_fn(2 * N, 2 * N, |i, j| normal[i][j]).llt(Side::Lower);
+        let covariance = factor.unwrap().solve(Mat::<f64>::identity(2 * N, 2 * N));
+        for (index, smoothed) in smoothed.iter().enumerate() {
+            let row = 2 * index;
+            let solution: f64 = (0..2 * N).map(|k| covariance[(row, k)] * right[k]).sum();
             // The tolerances allow for rounding: the weights of the process noise are 1e6 times
             // those of the lines.
-            assert!((smoothed[index].gamma.re - solution[2 * index]).abs() < 1e-8);
-            assert!((smoothed[index].variance / variance[2 * index] - 1.0).abs() < 1e-6);
+            assert!((smoothed.gamma.re - solution).abs() < 1e-8);
+            assert!((smoothed.variance / covariance[(row, row)] - 1.0).abs() < 1e-6);
         }
     }
 
@@ -380,30 +384,5 @@ mod tests {
         // γ moves towards the root by the fraction of the misfit assigned to γ
         let moved = state.variance * (slope * 2.0).conj() * misfit / expected;
         assert!((updated.gamma - state.gamma - moved).norm() < 1e-12);
-    }
-
-    fn eliminate(matrix: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
-        let n = right.len();
-        let mut rows: Vec<Vec<f64>> = matrix
-            .iter()
-            .zip(right)
-            .map(|(row, value)| row.iter().copied().chain([*value]).collect())
-            .collect();
-        for column in 0..n {
-            let pivot = rows[column].clone();
-            for row in rows.iter_mut().skip(column + 1) {
-                let factor = row[column] / pivot[column];
-                for (entry, above) in row.iter_mut().zip(&pivot) {
-                    *entry -= factor * above;
-                }
-            }
-        }
-        for row in (0..n).rev() {
-            for k in row + 1..n {
-                rows[row][n] -= rows[row][k] * rows[k][n];
-            }
-            rows[row][n] /= rows[row][row];
-        }
-        rows.iter().map(|row| row[n]).collect()
     }
 }

@@ -111,16 +111,15 @@ impl Recovery {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::PRINTED;
     use super::super::{LoadSegment, ThreeElementParameters};
     use super::*;
 
-    const PRINTED: ThreeElementParameters = ThreeElementParameters {
-        series_modulus: 3100e6,
-        parallel_modulus: 13100.0,
-        coefficient: 4.55e-21,
-        exponent: 1.8,
-    };
     const OMEGA: f64 = std::f64::consts::TAU * 10e3;
+
+    fn after(model: &ThreeElement, load: Result<LoadHistory, CmodError>) -> Recovery {
+        model.recovery(&load.unwrap()).unwrap()
+    }
 
     /// Compares equation 4 with the integrated model: if 600 s of rest are counted as part of the
     /// load, the recovery starts 600 s later.
@@ -131,17 +130,13 @@ mod tests {
             stress: 45e6,
             duration: 1800.0,
         };
-        let now = model
-            .recovery(&LoadHistory::new(vec![creep]).unwrap())
-            .unwrap();
+        let now = after(&model, LoadHistory::new(vec![creep]));
         let rest = LoadSegment::Ramp {
             from: 0.0,
             to: 0.0,
             duration: 600.0,
         };
-        let later = model
-            .recovery(&LoadHistory::new(vec![creep, rest]).unwrap())
-            .unwrap();
+        let later = after(&model, LoadHistory::new(vec![creep, rest]));
         for t in [0.0, 60.0, 7200.0] {
             let (a, b) = (now.dashpot_stress(600.0 + t), later.dashpot_stress(t));
             // the integration error is 1e-9 of 45 MPa, and the stress is a third of 45 MPa
@@ -163,9 +158,7 @@ mod tests {
             ..PRINTED
         })
         .unwrap();
-        let recovery = model
-            .recovery(&LoadHistory::creep(10e6, 100.0).unwrap())
-            .unwrap();
+        let recovery = after(&model, LoadHistory::creep(10e6, 100.0));
         let k: f64 = 13100.0 * 1e-7;
         let initial = -10e6 * (1.0 - (-100.0 * k).exp());
         assert!((recovery.initial_dashpot_stress() / initial - 1.0).abs() < 1e-14);
@@ -181,9 +174,7 @@ mod tests {
     #[test]
     fn without_load_nothing_recovers() {
         let model = ThreeElement::new(PRINTED).unwrap();
-        let recovery = model
-            .recovery(&LoadHistory::creep(0.0, 1800.0).unwrap())
-            .unwrap();
+        let recovery = after(&model, LoadHistory::creep(0.0, 1800.0));
         assert!(recovery.loss_factor_change(OMEGA, 60.0).abs() < 1e-300);
         assert!(recovery.dashpot_stress(60.0).abs() < 1e-300);
     }

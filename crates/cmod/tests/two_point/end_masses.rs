@@ -8,15 +8,8 @@ use cmod::{Specimen, TwoPoint};
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
-use super::rod::acceleration_ratio;
+use super::rod::{SPECIMEN, acceleration_ratio};
 use crate::materials;
-
-const SPECIMEN: Specimen = Specimen {
-    length: 0.4,
-    diameter: 0.0158,
-    density: 908.0,
-    accelerometer_mass: 2.9e-3,
-};
 
 fn polypropylene() -> Medium<ConstantQ> {
     materials::polypropylene(SPECIMEN.density)

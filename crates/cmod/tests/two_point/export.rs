@@ -2,18 +2,11 @@
 
 use cmod::estimate::PlottedQuantity;
 use cmod::two_point::SpecimenUncertainty;
-use cmod::{ModulusEstimate, Specimen, TwoPoint};
+use cmod::{ModulusEstimate, TwoPoint};
 use num_complex::Complex64;
 
-use super::rod::acceleration_ratio;
+use super::rod::{SPECIMEN, acceleration_ratio};
 use crate::materials::polypropylene;
-
-const SPECIMEN: Specimen = Specimen {
-    length: 0.4,
-    diameter: 0.0158,
-    density: 908.0,
-    accelerometer_mass: 2.9e-3,
-};
 
 /// Returns an estimate on lines from 100 Hz to 4 kHz. The first lines have too long a wavelength,
 /// one line is bad, and the lines near half a wave scatter.

@@ -7,6 +7,13 @@ use num_complex::Complex64;
 use rodwave::chain::{AngularFrequency, Chain, Termination, WaveMedium};
 use rodwave::element::Circle;
 
+pub(crate) const SPECIMEN: Specimen = Specimen {
+    length: 0.4,
+    diameter: 0.0158,
+    density: 908.0,
+    accelerometer_mass: 2.9e-3,
+};
+
 /// Returns â₁/â₂ of a rod of `medium` that carries `impacted_mass` [kg] at the struck end and the
 /// accelerometer of the `specimen` at the other end.
 pub(crate) fn acceleration_ratio<M>(
