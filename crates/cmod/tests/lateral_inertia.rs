@@ -12,7 +12,7 @@ use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::{AcceptanceLimits, Violation};
 use cmod::{LateralInertia, PulsedRod, SectionUncertainty, SeparatePulses, Specimen, TwoPoint};
 use num_complex::Complex64;
-use rodwave::modulus::{ComplexModulus, ConstantQ};
+use rodwave::modulus::{ComplexModulus, ConstantQ, FractionalZener};
 use rodwave::slenderness::{PochhammerChree, RodTheory, RoundRod, Theory};
 use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
@@ -34,26 +34,28 @@ fn frequencies() -> Vec<f64> {
     (1..=24).map(|j| 2e3 * f64::from(j)).collect()
 }
 
-fn gammas(poisson_ratio: f64, frequency_hz: &[f64]) -> Vec<Complex64> {
+fn gammas(law: &dyn ComplexModulus, frequency_hz: &[f64]) -> Vec<Complex64> {
     let theory = PochhammerChree::new(RoundRod {
         density: DENSITY,
         diameter: DIAMETER,
-        poisson_ratio,
+        poisson_ratio: POISSON_RATIO,
     })
     .unwrap();
     let gamma = |f: &f64| {
         let omega = TAU * f;
-        let gamma = theory
-            .propagation_coefficient(material().at(omega), omega)
-            .unwrap();
-        gamma.found().unwrap()
+        let gamma = theory.propagation_coefficient(law.at(omega), omega);
+        gamma.unwrap().found().unwrap()
     };
     frequency_hz.iter().map(gamma).collect()
 }
 
-fn ratios(poisson_ratio: f64, frequency_hz: &[f64]) -> Vec<Complex64> {
-    let gammas = gammas(poisson_ratio, frequency_hz).into_iter();
-    gammas.map(|gamma| (-gamma * DISTANCE).exp()).collect()
+fn transmission(law: &dyn ComplexModulus, distance: f64, frequency_hz: &[f64]) -> Vec<Complex64> {
+    let gammas = gammas(law, frequency_hz).into_iter();
+    gammas.map(|gamma| (-gamma * distance).exp()).collect()
+}
+
+fn ratios(frequency_hz: &[f64]) -> Vec<Complex64> {
+    transmission(&material(), DISTANCE, frequency_hz)
 }
 
 fn apparent(ratio: &[Complex64], variance: f64) -> ModulusEstimate {
@@ -85,7 +87,7 @@ fn inertia() -> LateralInertia {
 /// Checks that with one theory for the whole band each line has the stated error.
 #[test]
 fn each_theory_leaves_the_error_that_is_stated() {
-    let estimate = apparent(&ratios(POISSON_RATIO, &frequencies()), 0.0);
+    let estimate = apparent(&ratios(&frequencies()), 0.0);
     for theory in [
         Theory::Elementary,
         Theory::LoveRayleigh,
@@ -153,7 +155,7 @@ fn at_wavelength(estimate: &ModulusEstimate, diameters: f64) -> [f64; 2] {
 #[test]
 fn theories_at_three_and_five_diameters() {
     let lines: Vec<f64> = (1..=48).map(|j| 1e3 * f64::from(j)).collect();
-    let estimate = apparent_on(&lines, &ratios(POISSON_RATIO, &lines), 0.0);
+    let estimate = apparent_on(&lines, &ratios(&lines), 0.0);
     let by_love = inertia().with_theory(Theory::LoveRayleigh);
     let by_love = by_love.correct(&estimate).unwrap();
     let differences = [
@@ -181,7 +183,7 @@ fn theories_at_three_and_five_diameters() {
 #[test]
 fn errors_are_those_of_repeated_draws() {
     let (sigma_nu, variance) = (0.015, 1e-6);
-    let ratio = ratios(POISSON_RATIO, &frequencies());
+    let ratio = ratios(&frequencies());
     let correct = |nu: f64, ratio: &[Complex64]| -> CorrectedEstimate {
         LateralInertia::new(DIAMETER, DENSITY, nu)
             .unwrap()
@@ -245,79 +247,22 @@ fn errors_are_those_of_repeated_draws() {
     }
 }
 
-/// Rod whose waves follow the frequency equation as it is printed, and whose material is a
-/// fractional Zener law.
-mod printed {
-    use super::*;
+/// Material of broad relaxation.
+fn zener() -> FractionalZener {
+    FractionalZener::new(2.2e9, 3.3e9, 1e-5, 0.4).unwrap()
+}
 
-    pub(super) const DISTANCE: f64 = 0.3;
-
-    /// Returns E₀ + ΔE (iωτ)^α/(1 + (iωτ)^α).
-    pub(super) fn modulus(omega: f64) -> Complex64 {
-        let power = Complex64::new(0.0, omega * 1e-5).powf(0.4);
-        2.2e9 + 1.1e9 * power / (1.0 + power)
-    }
-
-    /// Returns the Bessel function of order 0 or 1 from its power series, for |z| < 6.
-    fn bessel(order: u32, z: Complex64) -> Complex64 {
-        let quarter = -0.25 * z * z;
-        let mut term = if order == 0 { Complex64::ONE } else { 0.5 * z };
-        let mut sum = term;
-        for m in 1..40 {
-            term *= quarter / f64::from(m * (m + order));
-            sum += term;
-        }
-        sum
-    }
-
-    /// Returns γ of the first mode at `omega`, by the secant method starting from Love's theory.
-    pub(super) fn gamma(omega: f64) -> Complex64 {
-        let (e, nu, a) = (modulus(omega), POISSON_RATIO, 0.5 * DIAMETER);
-        let shear = e / (2.0 * (1.0 + nu));
-        let lame = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-        let inertia = DENSITY * omega * omega;
-        let equation = |k: Complex64| {
-            let p = (inertia / (lame + 2.0 * shear) - k * k).sqrt();
-            let q = (inertia / shear - k * k).sqrt();
-            let (p0, p1) = (bessel(0, p * a), bessel(1, p * a));
-            let (q0, q1) = (bessel(0, q * a), bessel(1, q * a));
-            let difference = q * q - k * k;
-            // odd in q, as it is printed
-            (2.0 * p / a * (q * q + k * k) * p1 * q1
-                - difference * difference * p0 * q1
-                - 4.0 * k * k * p * q * p1 * q0)
-                / q
-        };
-        let love = (inertia / (e - inertia * nu * nu * DIAMETER * DIAMETER / 8.0)).sqrt();
-        let (mut before, mut k) = (love * 1.001, love);
-        let (mut value_before, mut value) = (equation(before), equation(k));
-        for _ in 0..40 {
-            let step = value * (k - before) / (value - value_before);
-            if !step.is_finite() || step.norm() < 1e-14 * k.norm() {
-                break;
-            }
-            (before, value_before) = (k, value);
-            k -= step;
-            value = equation(k);
-        }
-        Complex64::I * k
-    }
-
-    /// Returns the apparent modulus at λ = 50 D to 4 D from a noisy transmission, judged by the
-    /// default limits.
-    pub(super) fn apparent(seed: u64) -> ModulusEstimate {
-        let frequency_hz: Vec<f64> = (1..=120).map(|j| 200.0 * f64::from(j) + 2000.0).collect();
-        let variance = 1e-8;
-        let mut random = Noise::seeded(seed);
-        let exact = |f: &f64| (-gamma(TAU * f) * DISTANCE).exp();
-        let ratio: Vec<Complex64> = frequency_hz
-            .iter()
-            .map(|f| exact(f) + random.circular(variance))
-            .collect();
-        pulses(DISTANCE, DENSITY)
-            .estimate(&frequency_hz, &ratio, &vec![variance; ratio.len()])
-            .unwrap()
-    }
+/// Returns the apparent modulus of a rod of [`zener`] at λ = 50 D to 4 D from a noisy transmission,
+/// judged by the default limits.
+fn apparent_zener(seed: u64) -> ModulusEstimate {
+    let distance = 0.3;
+    let frequency_hz: Vec<f64> = (1..=120).map(|j| 200.0 * f64::from(j) + 2000.0).collect();
+    let clean = transmission(&zener(), distance, &frequency_hz);
+    let variance = vec![1e-8; clean.len()];
+    let ratio = Noise::seeded(seed).on(&clean, &variance);
+    pulses(distance, DENSITY)
+        .estimate(&frequency_hz, &ratio, &variance)
+        .unwrap()
 }
 
 /// Checks that E' down to λ = 4 D is within its error and has no step: a causal law leaves only
@@ -325,13 +270,13 @@ mod printed {
 #[test]
 fn r03_modulus_has_no_step_and_a_causal_law_explains_it() {
     for seed in [1, 2, 3] {
-        let corrected = inertia().correct(&printed::apparent(seed)).unwrap();
+        let corrected = inertia().correct(&apparent_zener(seed)).unwrap();
         let estimate = corrected.modulus();
         let lines: Vec<_> = estimate.valid().collect();
         assert!(lines.len() > 110, "{}", lines.len());
         assert!(lines[lines.len() - 1].wavelength() < 4.2 * DIAMETER);
         for line in &lines {
-            let error = line.modulus - printed::modulus(TAU * line.frequency_hz);
+            let error = line.modulus - zener().at(TAU * line.frequency_hz);
             let stated = line.random_error();
             assert!(
                 error.re.abs() < 4.5 * stated.storage_modulus
@@ -351,7 +296,7 @@ fn r03_modulus_has_no_step_and_a_causal_law_explains_it() {
 /// common error of the line.
 #[test]
 fn r03_other_sections_have_one_theory_with_its_error() {
-    let estimate = apparent(&ratios(POISSON_RATIO, &frequencies()), 1e-8);
+    let estimate = apparent(&ratios(&frequencies()), 1e-8);
     // k_p² = (b² + h²)/12 = D²/8
     let (width, height) = (0.8 * DIAMETER, DIAMETER * (1.5_f64 - 0.64).sqrt());
     let rectangle = LateralInertia::rectangular(width, height, DENSITY, POISSON_RATIO).unwrap();
@@ -379,10 +324,10 @@ fn r03_other_sections_have_one_theory_with_its_error() {
 /// removed or not, and the stated error covers the remaining error.
 #[test]
 fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
-    let estimate = printed::apparent(7);
+    let estimate = apparent_zener(7);
     let (mut valid, mut named) = (0, 0);
     for line in estimate.lines() {
-        let truth = printed::modulus(TAU * line.frequency_hz);
+        let truth = zener().at(TAU * line.frequency_hz);
         let error = line.modulus - truth;
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
         let stated = &line.standard_error;
@@ -412,7 +357,7 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
     // the remaining error of Love's theory is also stated
     let by_love = inertia().with_theory(Theory::LoveRayleigh);
     for line in by_love.correct(&estimate).unwrap().modulus().lines() {
-        let truth = printed::modulus(TAU * line.frequency_hz);
+        let truth = zener().at(TAU * line.frequency_hz);
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
         // the limit is the bound, which is √3 times the standard error, plus the next term of the
         // series and four standard errors of noise
@@ -434,7 +379,7 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
 /// A density that is 1 % too large makes the corrected modulus 1 % too large, at any wavelength.
 #[test]
 fn error_of_the_density_is_that_of_the_corrected_modulus() {
-    let ratio = ratios(POISSON_RATIO, &frequencies());
+    let ratio = ratios(&frequencies());
     let corrected = |density: f64| {
         let estimate = pulses(DISTANCE, density)
             .with_limits(AcceptanceLimits::NONE)
@@ -467,7 +412,7 @@ fn error_of_the_density_is_that_of_the_corrected_modulus() {
 fn error_of_the_diameter_is_that_of_the_estimate_and_of_the_correction_together() {
     let uncertainty = 1e-4 * DIAMETER;
     let frequency_hz: Vec<f64> = (2..=192).map(|j| 250.0 * f64::from(j)).collect();
-    let gammas = gammas(POISSON_RATIO, &frequency_hz);
+    let gammas = gammas(&material(), &frequency_hz);
     for accelerometer_mass in [0.0, 2e-3] {
         let specimen = |diameter: f64| Specimen {
             length: DISTANCE,
@@ -530,7 +475,7 @@ fn error_of_the_diameter_is_that_of_the_estimate_and_of_the_correction_together(
 #[test]
 fn a_causal_estimate_is_that_of_the_material_behind_the_waves() {
     let frequency_hz: Vec<f64> = (10..=200).map(|j| 200.0 * f64::from(j)).collect();
-    let clean = ratios(POISSON_RATIO, &frequency_hz);
+    let clean = ratios(&frequency_hz);
     let variance = vec![1e-6; clean.len()];
     let ratio = Noise::seeded(8).on(&clean, &variance);
     let lines = RatioLines::of_known_variance(&frequency_hz, &ratio, &variance);

@@ -57,6 +57,25 @@ fn swept(
     TemperatureSweep::new(steps.collect()).unwrap()
 }
 
+/// Returns the shifts of all temperatures but the reference.
+fn fitted(curve: &MasterCurve) -> impl Iterator<Item = &Shift> {
+    let shifts = curve.shifts.iter();
+    shifts.filter(|shift| shift.standard_error > 0.0)
+}
+
+/// Returns the mean square of the errors of twelve shifts, in their standard errors.
+fn mean_square(curve: &MasterCurve, exact: &dyn Fn(f64) -> f64) -> f64 {
+    let squares = fitted(curve)
+        .map(|of| ((of.log_shift - exact(of.temperature)) / of.standard_error).powi(2));
+    squares.sum::<f64>() / 12.0
+}
+
+/// Returns the master curve at the middle temperature, without profiles.
+fn fast_curve(sweep: &TemperatureSweep) -> MasterCurve {
+    let options = FitOptions::default().with_profiles(false);
+    MasterCurve::new(sweep, sweep.temperatures().len() / 2, &options).unwrap()
+}
+
 /// Returns sixteen lines from 400 Hz to 10 kHz at each temperature.
 fn sweep(
     law: &dyn ComplexModulus,
@@ -77,7 +96,7 @@ fn shifts_and_their_law_are_found_with_their_errors() {
     let law = four_branches();
     let (c1, c2) = (8.0, 180.0);
     let seeds = 20;
-    let mut mean_square = 0.0;
+    let mut square = 0.0;
     let (mut covered, mut refused, mut by_order) = (0, 0, 0);
     let mut claims = Claims::default();
     for seed in 0..seeds {
@@ -91,13 +110,10 @@ fn shifts_and_their_law_are_found_with_their_errors() {
         );
         assert_eq!(curve.shifts[6].log_shift, 0.0);
         for shift in &curve.shifts {
-            let error = shift.log_shift - wlf(c1, c2, shift.temperature);
             assert!(shift.order_error <= shift.standard_error);
             by_order += u32::from(shift.order_error > 0.0);
-            if shift.standard_error > 0.0 {
-                mean_square += (error / shift.standard_error).powi(2) / 12.0 / seeds as f64;
-            }
         }
+        square += mean_square(&curve, &|t| wlf(c1, c2, t)) / seeds as f64;
         let laws = curve.shift_laws().unwrap();
         covered +=
             u32::from(laws.wlf.c1_interval.contains(c1) && laws.wlf.c2_interval.contains(c2));
@@ -122,7 +138,7 @@ fn shifts_and_their_law_are_found_with_their_errors() {
     hold!(claims);
     // The shifts are correlated: their 240 squares are equivalent to some tens of independent ones.
     // The order, which is chosen from the same data, adds a little scatter.
-    assert!((0.6..1.7).contains(&mean_square), "{mean_square}");
+    assert!((0.6..1.7).contains(&square), "{square}");
     // another order is never excluded completely, and its shifts scatter about the mean
     assert!(by_order > 100, "{by_order}");
     // C₁ and C₂ are almost completely correlated: both intervals contain the true values in 19 of
@@ -137,9 +153,6 @@ fn claim_wlf(
     laws: &ShiftLaws,
     exact: &dyn Fn(f64) -> f64,
 ) {
-    let fitted = curve.shifts.iter().filter(|of| of.standard_error > 0.0);
-    let squares =
-        fitted.map(|of| ((of.log_shift - exact(of.temperature)) / of.standard_error).powi(2));
     let identified = curve.shifts.iter().filter(|of| of.verdict.is_identified());
     let errors = identified.map(|of| (of.log_shift - exact(of.temperature)).abs());
     let wlf = &laws.wlf;
@@ -153,7 +166,7 @@ fn claim_wlf(
                 0.7,
                 "12 shifts with correlated errors count as some five independent ones",
             ),
-            (squares.sum::<f64>() / 12.0).sqrt(),
+            mean_square(curve, exact).sqrt(),
         ),
         (
             "master curve: largest error of the logarithm of an identified shift",
@@ -241,14 +254,13 @@ fn rubber_elasticity_is_taken_out() {
         t as u64
     });
     let with = sweep.clone().with_rubber_elasticity(&densities).unwrap();
-    let options = FitOptions::default().with_profiles(false);
-    let right = MasterCurve::new(&with, 6, &options).unwrap();
+    let right = fast_curve(&with);
     assert!(right.fit.p_value() > 1e-3, "{right}");
     let omega = 1e4;
     let error = right.series().unwrap().at(omega) - law.at(omega);
     assert!(error.norm() < 0.01 * law.at(omega).norm());
     // without the known factor the data require a factor, which changes by 30 %, and it is found
-    let found = MasterCurve::new(&sweep, 6, &options).unwrap();
+    let found = fast_curve(&sweep);
     assert!(found.fit.p_value() > 1e-3, "{found}");
     for shift in &found.shifts {
         let t = shift.temperature;
@@ -272,12 +284,10 @@ fn the_data_choose_the_factors_of_rubber_elasticity() {
             1000 * seed + t as u64
         })
     };
-    let options = FitOptions::default().with_profiles(false);
-    let of = |sweep: &TemperatureSweep| MasterCurve::new(sweep, 6, &options).unwrap();
     let mut not_refused = 0;
     for seed in 0..5 {
         let entropic = sweep(true, seed);
-        let found = of(&entropic);
+        let found = fast_curve(&entropic);
         let is_estimated = |shift: &Shift| shift.vertical_standard_error > 0.0;
         if found.factor_choice.is_some_and(|choice| choice.is_entropic) {
             for shift in &found.shifts {
@@ -286,8 +296,8 @@ fn the_data_choose_the_factors_of_rubber_elasticity() {
         } else {
             assert!(found.shifts.iter().any(is_estimated), "{found}");
         }
-        not_refused += u32::from(of(&entropic.without_factors()).fit.p_value() > 0.01);
-        let unity = of(&sweep(false, seed));
+        not_refused += u32::from(fast_curve(&entropic.without_factors()).fit.p_value() > 0.01);
+        let unity = fast_curve(&sweep(false, seed));
         assert!(
             !unity.factor_choice.is_some_and(|choice| choice.is_entropic)
                 && !unity.shifts.iter().any(is_estimated),
@@ -303,8 +313,6 @@ fn the_data_choose_the_factors_of_rubber_elasticity() {
 #[test]
 fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
     let law = four_branches();
-    let options = FitOptions::default().with_profiles(false);
-    let of = |sweep: &TemperatureSweep| MasterCurve::new(sweep, 6, &options).unwrap();
     let mut open = 0;
     for seed in 0..8_u64 {
         let modulus =
@@ -312,7 +320,7 @@ fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
         let sweep = swept(&temperatures(), (400.0, 16), &modulus, 0.05, |_, t| {
             1000 * seed + t as u64
         });
-        let found = of(&sweep);
+        let found = fast_curve(&sweep);
         let Some(choice) = found.factor_choice else {
             continue;
         };
@@ -321,8 +329,8 @@ fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
             continue;
         }
         open += 1;
-        let unity = of(&sweep.clone().without_factors());
-        let entropic = of(&sweep.with_rubber_elasticity(&[1.0; 13]).unwrap());
+        let unity = fast_curve(&sweep.clone().without_factors());
+        let entropic = fast_curve(&sweep.with_rubber_elasticity(&[1.0; 13]).unwrap());
         let (own, other) = if choice.is_entropic {
             (entropic, unity)
         } else {
@@ -391,8 +399,7 @@ fn test_6_of_paper_a() {
         steps.push((temperature, ModulusData::from_estimate(&estimate).unwrap()));
     }
     let sweep = TemperatureSweep::new(steps).unwrap();
-    let options = FitOptions::default().with_profiles(false);
-    let curve = MasterCurve::new(&sweep, 6, &options).unwrap();
+    let curve = fast_curve(&sweep);
     for shift in &curve.shifts {
         let error = shift.log_shift - wlf(c1, c2, shift.temperature);
         // five standard errors, and 0.05 for the remaining effect of first-order errors of single
@@ -462,7 +469,6 @@ fn sweeps_that_cannot_be() {
 fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
     let seeds: u64 = noise::draws(40);
-    let options = FitOptions::default().with_profiles(false);
     let temperatures: Vec<f64> = (0..9).map(|k| 313.15 + 10.0 * f64::from(k)).collect();
     let modulus = |omega: f64, t: f64| law.at(omega * wlf(8.0, 180.0, t).exp());
     for lines in [5, 13] {
@@ -470,13 +476,9 @@ fn l6_shifts_cover_with_few_frequencies() {
         for seed in 0..seeds {
             let seed_of = |k: usize, _: f64| 1000 * seed + k as u64;
             let sweep = swept(&temperatures, (300.0, lines), &modulus, 0.005, seed_of);
-            let curve = MasterCurve::new(&sweep, 4, &options).unwrap();
+            let curve = fast_curve(&sweep);
             assert!(curve.unconnected.is_empty(), "{lines}: {curve}");
-            for shift in curve
-                .shifts
-                .iter()
-                .filter(|shift| shift.standard_error > 0.0)
-            {
+            for shift in fitted(&curve) {
                 let truth = wlf(8.0, 180.0, shift.temperature);
                 let error = (shift.log_shift - truth).abs() / shift.standard_error;
                 one += f64::from(u8::from(error < 1.0));
@@ -532,7 +534,6 @@ fn l3_curves_without_overlap_are_not_shifted() {
 #[test]
 fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
-    let options = FitOptions::default().with_profiles(false);
     let (mut covered, mut all, mut without) = (0, 0, 0);
     let temperatures: Vec<f64> = (0..7).map(|k| 323.15 + 10.0 * f64::from(k)).collect();
     for seed in 0..8_u64 {
@@ -542,18 +543,14 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
             };
             let seed_of = |k: usize, _: f64| 1000 * seed + k as u64;
             let sweep = swept(&temperatures, (300.0, 13), &modulus, 0.005, seed_of);
-            let curve = MasterCurve::new(&sweep, 3, &options).unwrap();
+            let curve = fast_curve(&sweep);
             assert!(curve.unconnected.is_empty(), "{curve}");
             if slope == 0.0 {
                 let one = |shift: &Shift| shift.vertical == 1.0;
                 without += u32::from(curve.shifts.iter().all(one));
                 continue;
             }
-            for shift in curve
-                .shifts
-                .iter()
-                .filter(|shift| shift.standard_error > 0.0)
-            {
+            for shift in fitted(&curve) {
                 let truth = wlf(8.0, 180.0, shift.temperature);
                 covered += u32::from(shift.interval.contains(truth));
                 all += 1;
@@ -624,13 +621,9 @@ fn errors_of_temperatures_are_errors_of_shifts_and_curve() {
         let plain = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
         scatter += plain.temperature_scatter().unwrap() / seeds as f64;
         let curve = plain.clone().with_temperature_uncertainty(kelvin).unwrap();
-        for (before, after) in plain.shifts.iter().zip(&curve.shifts) {
-            if after.standard_error > 0.0 {
-                let error = after.log_shift - wlf(c1, c2, after.temperature);
-                shifts += (error / after.standard_error).powi(2) / 12.0 / seeds as f64;
-                unstated += (error / before.standard_error).powi(2) / 12.0 / seeds as f64;
-            }
-        }
+        let exact = |t| wlf(c1, c2, t);
+        shifts += mean_square(&curve, &exact) / seeds as f64;
+        unstated += mean_square(&plain, &exact) / seeds as f64;
         let omega = TAU * 2e3;
         let found = curve.fit.prediction(omega).unwrap();
         let z = (found.modulus.re - law.at(omega).re) / found.covariance[0][0].sqrt();
