@@ -61,7 +61,7 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::error::{CmodError, check_enough_readings};
+use crate::error::{CmodError, check_enough_readings, check_that};
 use crate::estimate::ErrorSource;
 use crate::rheology::{ModulusData, PredictedModulus, VarianceScatter};
 use crate::self_calibration::CalibratedSource;
@@ -242,13 +242,10 @@ impl CausalEstimate {
 
     fn place(&self, frequency_hz: f64) -> Result<Complex64, CmodError> {
         let [lowest, highest] = self.band_hz();
-        if !(lowest..=highest).contains(&frequency_hz) {
-            return Err(CmodError::NonPhysical {
-                quantity: "frequency of a causal estimate [Hz]",
-                value: frequency_hz,
-                expected: "a frequency between its lowest and its highest line",
-            });
-        }
+        let is_within = (lowest..=highest).contains(&frequency_hz);
+        let quantity = "frequency of a causal estimate [Hz]";
+        let expected = "a frequency between its lowest and its highest line";
+        check_that(is_within, quantity, frequency_hz, expected)?;
         Ok(Complex64::new(0.0, TAU * frequency_hz))
     }
 

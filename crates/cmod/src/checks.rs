@@ -42,7 +42,7 @@ use std::fmt;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
-use crate::error::CmodError;
+use crate::error::{CmodError, check_that};
 
 /// Default probability of a false alarm.
 pub const USUAL_LEVEL: f64 = 0.01;
@@ -170,15 +170,9 @@ impl fmt::Display for CheckOutcome {
 
 /// Accepts a probability between 0 and 1.
 fn check_level(level: f64) -> Result<f64, CmodError> {
-    if level > 0.0 && level < 1.0 {
-        Ok(level)
-    } else {
-        Err(CmodError::NonPhysical {
-            quantity: "level of the check",
-            value: level,
-            expected: "a probability between 0 and 1",
-        })
-    }
+    let is_right = level > 0.0 && level < 1.0;
+    let expected = "a probability between 0 and 1";
+    check_that(is_right, "level of the check", level, expected)
 }
 
 /// Returns P(χ² > `value`) for the given degrees of freedom.

@@ -322,43 +322,35 @@ pub enum CmodError {
     Rodwave(#[from] rodwave::RodwaveError),
 }
 
+/// Accepts a value that `is_right`.
+pub(crate) fn check_that(
+    is_right: bool,
+    quantity: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<f64, CmodError> {
+    is_right.then_some(value).ok_or(CmodError::NonPhysical {
+        quantity,
+        value,
+        expected,
+    })
+}
+
 /// Accepts a finite value above zero.
 pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, CmodError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(CmodError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value above 0",
-        })
-    }
+    let is_right = value.is_finite() && value > 0.0;
+    check_that(is_right, quantity, value, "a finite value above 0")
 }
 
 /// Accepts a finite value.
 pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, CmodError> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(CmodError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value",
-        })
-    }
+    check_that(value.is_finite(), quantity, value, "a finite value")
 }
 
 /// Accepts a finite value of zero or above.
 pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, CmodError> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err(CmodError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value, 0 or above",
-        })
-    }
+    let is_right = value.is_finite() && value >= 0.0;
+    check_that(is_right, quantity, value, "a finite value, 0 or above")
 }
 
 /// Accepts at least one line, and frequencies that are finite, not negative and increasing.

@@ -37,7 +37,7 @@ use rodwave::slenderness::{
     FirstBranch, LoveRayleigh, PochhammerChree, RectangularRod, RodTheory, RoundRod, Theory,
 };
 
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_not_negative, check_positive, check_that};
 use crate::estimate::{
     Acceptance, ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal,
     SystematicShift, Uncertainty,
@@ -197,13 +197,9 @@ impl LateralInertia {
 
     fn of_section(section: Section, density: f64, poisson_ratio: f64) -> Result<Self, CmodError> {
         check_positive("density [kg/m^3]", density)?;
-        if !(0.0..=0.5).contains(&poisson_ratio) {
-            return Err(CmodError::NonPhysical {
-                quantity: "Poisson's ratio",
-                value: poisson_ratio,
-                expected: "a value from 0 to 0.5",
-            });
-        }
+        let is_right = (0.0..=0.5).contains(&poisson_ratio);
+        let expected = "a value from 0 to 0.5";
+        check_that(is_right, "Poisson's ratio", poisson_ratio, expected)?;
         Ok(Self {
             section,
             density,

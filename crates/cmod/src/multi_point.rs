@@ -43,7 +43,7 @@ pub use waves::{Quantity, WavesAtSection};
 
 use std::f64::consts::TAU;
 
-use crate::error::{CmodError, check_not_negative};
+use crate::error::{CmodError, check_not_negative, check_that};
 use crate::estimate::{Acceptance, Method, ModulusEstimate, Refusal, VarianceFreedom};
 use crate::self_calibration::continuation;
 use crate::validity::AcceptanceLimits;
@@ -52,6 +52,7 @@ use follow::Expectation;
 use projection::Projection;
 use roots::{RootSearch, SolvedRoot};
 use spectra::WhiteLine;
+use uncertainty::NO_FREE_END;
 
 /// Maximum ratio of noise to signal of a valid line, as root mean squares over all gauges, that is,
 /// the signal is at least 10.5 dB above the noise.
@@ -145,13 +146,10 @@ impl MultiPoint {
                 expected: "2 or more before a free end",
             });
         }
-        if !rod.positions.iter().all(|x| *x < free_end) {
-            return Err(CmodError::NonPhysical {
-                quantity: "position of the free end [m]",
-                value: free_end,
-                expected: "one beyond the last gauge: positions increase towards the free end",
-            });
-        }
+        let is_beyond = rod.positions.iter().all(|x| *x < free_end);
+        let expected = "one beyond the last gauge: positions increase towards the free end";
+        let quantity = "position of the free end [m]";
+        check_that(is_beyond, quantity, free_end, expected)?;
         rod.positions.push(free_end);
         Ok(Self {
             has_free_end: true,
@@ -173,13 +171,7 @@ impl MultiPoint {
     pub fn with_end_mass(mut self, mass: f64) -> Result<Self, CmodError> {
         const MASS: &str = "mass on the end [kg]";
         self.end_mass = check_not_negative(MASS, mass)?;
-        if mass > 0.0 && !self.has_free_end {
-            return Err(CmodError::NonPhysical {
-                quantity: MASS,
-                value: mass,
-                expected: "0: no free end is used",
-            });
-        }
+        check_that(self.has_free_end || mass <= 0.0, MASS, mass, NO_FREE_END)?;
         Ok(self)
     }
 

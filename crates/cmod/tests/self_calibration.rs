@@ -1,7 +1,7 @@
 //! Errors of sensors determined from the lines, for records whose sensors are wrong by known
 //! amounts.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use cmod::causal::CausalEstimate;
 use cmod::estimate::{ErrorSource, ModulusLine};
@@ -15,6 +15,7 @@ use cmod::{
     TwoPoint,
 };
 use num_complex::Complex64;
+use rodwave::modulus::{ComplexModulus, ConstantQ, FractionalZener};
 
 use testbed::noise::Noise;
 
@@ -40,15 +41,9 @@ pub(crate) struct Rod {
     pub(crate) noise: f64,
 }
 
-/// Returns E of a fractional Zener solid.
-fn fractional(relaxed: f64, unrelaxed: f64, time: f64, exponent: f64, omega: f64) -> Complex64 {
-    let phase = Complex64::new(0.0, omega * time).powf(exponent);
-    relaxed + (unrelaxed - relaxed) * phase / (1.0 + phase)
-}
-
 fn constant_loss(modulus: f64, loss_factor: f64, frequency_hz: f64, omega: f64) -> Complex64 {
-    let exponent = 2.0 / PI * loss_factor.atan();
-    modulus * Complex64::new(0.0, omega / (TAU * frequency_hz)).powf(exponent)
+    let law = ConstantQ::new(modulus, loss_factor, TAU * frequency_hz);
+    law.unwrap().at(omega)
 }
 
 const EXACT: SpecimenUncertainty = SpecimenUncertainty {
@@ -82,7 +77,11 @@ pub(crate) const SOFT: Rod = Rod {
         accelerometer_mass: 1.5e-3,
     },
     uncertainty: EXACT,
-    modulus: |omega| fractional(6e6, 1.2e9, 2e-6, 0.55, omega),
+    modulus: |omega| {
+        FractionalZener::new(6e6, 1.2e9, 2e-6, 0.55)
+            .unwrap()
+            .at(omega)
+    },
     step_hz: 8.0,
     highest_hz: 3e3,
     noise: 2e-4,

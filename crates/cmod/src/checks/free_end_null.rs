@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::{Check, CheckOutcome, check_level, chi_square_tail, fisher_tail};
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_positive, check_that};
 use crate::estimate::VarianceFreedom;
 use crate::free_end::{FreeEndShape, RodWithFreeEnd};
 use crate::multi_point::{GaugeSpectra, GaugeUncertainty, Quantity};
@@ -140,13 +140,10 @@ impl FreeEndNull {
     /// fewer, such ratios have no finite variance.
     pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
         let freedom = freedom.check()?;
-        if freedom.line <= FEWEST_DEGREES_OF_FREEDOM {
-            return Err(CmodError::NonPhysical {
-                quantity: "degrees of freedom of the noise of a line",
-                value: freedom.line,
-                expected: "more than 4: use a longer silence or more hits",
-            });
-        }
+        let is_enough = freedom.line > FEWEST_DEGREES_OF_FREEDOM;
+        let quantity = "degrees of freedom of the noise of a line";
+        let expected = "more than 4: use a longer silence or more hits";
+        check_that(is_enough, quantity, freedom.line, expected)?;
         self.noise_freedom = Some(freedom);
         Ok(self)
     }
@@ -275,6 +272,15 @@ struct Fit<'a> {
     residual: Vec<Complex64>,
 }
 
+/// Returns the sum of the conjugates of f times the values of the sensors.
+fn along<'v>(
+    shape: &[(Complex64, Complex64)],
+    values: impl IntoIterator<Item = &'v Complex64>,
+) -> Complex64 {
+    let pairs = shape.iter().zip(values);
+    pairs.map(|((f, _), value)| f.conj() * value).sum()
+}
+
 impl<'a> Fit<'a> {
     fn new(check: &FreeEndNull, errors: &'a CommonErrors, n_tests: usize) -> Self {
         let n_sensors = check.distances.len();
@@ -327,17 +333,13 @@ impl<'a> Fit<'a> {
             self.shape.push((weight * jet.value, weight * jet.first));
         }
         let power: f64 = self.shape.iter().map(|(f, _)| f.norm_sqr()).sum();
-        let drift: Complex64 = self
-            .shape
-            .iter()
-            .map(|(f, slope)| f.conj() * slope)
-            .sum::<Complex64>()
-            / power;
+        let slopes = self.shape.iter().map(|(_, slope)| slope);
+        let drift = along(&self.shape, slopes) / power;
         let n = self.shape.len();
         let (mut misfit, mut gradient, mut curvature) = (0.0, Complex64::ZERO, 0.0);
         for test in self.values.chunks_exact(n) {
             let pairs = || self.shape.iter().zip(test);
-            let c = pairs().map(|((f, _), b)| f.conj() * b).sum::<Complex64>() / power;
+            let c = along(&self.shape, test) / power;
             for ((f, slope), b) in pairs() {
                 let rest = b - c * f;
                 // d is the component of f'c that is perpendicular to f
@@ -355,21 +357,14 @@ impl<'a> Fit<'a> {
         self.misfit(gamma);
         let n = self.shape.len();
         let power: f64 = self.shape.iter().map(|(f, _)| f.norm_sqr()).sum();
-        let along = |values: &[Complex64], shape: &[(Complex64, Complex64)]| -> Complex64 {
-            let pairs = shape.iter().zip(values);
-            pairs
-                .map(|((f, _), value)| f.conj() * value)
-                .sum::<Complex64>()
-                / power
-        };
-        let slopes: Vec<Complex64> = self.shape.iter().map(|(_, slope)| *slope).collect();
-        let drift = along(&slopes, &self.shape);
+        let slopes = self.shape.iter().map(|(_, slope)| slope);
+        let drift = along(&self.shape, slopes) / power;
         self.columns.iter_mut().for_each(Vec::clear);
         self.residual.clear();
         // changes of all values by γ
         let mut by_gamma = Vec::with_capacity(self.values.len());
         for test in self.values.chunks_exact(n) {
-            let c = along(test, &self.shape);
+            let c = along(&self.shape, test) / power;
             let pairs = self.shape.iter().zip(test);
             self.residual.extend(pairs.map(|((f, _), b)| b - c * f));
             by_gamma.extend(self.shape.iter().map(|(f, slope)| c * (slope - drift * f)));
@@ -385,7 +380,7 @@ impl<'a> Fit<'a> {
         let curvature: f64 = by_gamma.iter().map(Complex64::norm_sqr).sum();
         for column in &mut self.columns {
             for values in column.chunks_exact_mut(n) {
-                let amplitude = along(values, &self.shape);
+                let amplitude = along(&self.shape, &*values) / power;
                 let pairs = values.iter_mut().zip(&self.shape);
                 pairs.for_each(|(value, (f, _))| *value -= amplitude * f);
             }
@@ -428,22 +423,28 @@ mod tests {
     use super::*;
     use testbed::noise::Noise;
 
+    fn rod(end_mass: f64) -> RodWithFreeEnd {
+        RodWithFreeEnd {
+            diameter: 0.0106,
+            density: 903.0,
+            end_mass,
+        }
+    }
+
+    fn gamma(frequency_hz: &[f64]) -> Vec<Complex64> {
+        let at = |f: &f64| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0);
+        frequency_hz.iter().map(at).collect()
+    }
+
     /// Five gauges are each 0.3 to 0.6 mm from their stated positions, with errors of the
     /// sensitivity of 0.5 to 1 %. The check fails if positions and sensitivities are stated as
     /// exact. It passes with stated uncertainties of 0.5 mm and 1 %, but fails in spite of them if
     /// one of the gauges is another 8 mm away.
     #[test]
     fn stated_uncertainties_explain_what_they_cover_and_no_more() {
-        let rod = RodWithFreeEnd {
-            diameter: 0.0106,
-            density: 903.0,
-            end_mass: 1e-3,
-        };
+        let rod = rod(1e-3);
         let frequency_hz: Vec<f64> = (4..=160).map(|j| 50.0 * f64::from(j)).collect();
-        let gamma: Vec<Complex64> = frequency_hz
-            .iter()
-            .map(|f| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0))
-            .collect();
+        let gamma = gamma(&frequency_hz);
         let stated = [0.25, 0.31, 0.40, 0.51, 0.55];
         let noise = 1e-3;
         let outcome = |seed: u64, moved: f64, uncertain: bool| {
@@ -457,9 +458,8 @@ mod tests {
                     let gain = 1.0 - sign * (0.005 + 0.001 * sensor as f64);
                     let length = rod.length_of_end_mass();
                     let value = |gamma: &Complex64| {
-                        let noise = Complex64::new(random.normal(), random.normal());
                         let shape = (gamma * d).sinh() + length * gamma * (gamma * d).cosh();
-                        gain * shape + 1e-3 * std::f64::consts::FRAC_1_SQRT_2 * noise
+                        gain * shape + random.circular(noise * noise)
                     };
                     gamma.iter().map(value).collect()
                 })
@@ -496,16 +496,9 @@ mod tests {
     /// power has a standard error of 14 %, the record passes.
     #[test]
     fn a_noise_that_is_known_to_some_per_cent_fails_nobody() {
-        let rod = RodWithFreeEnd {
-            diameter: 0.0106,
-            density: 903.0,
-            end_mass: 0.0,
-        };
+        let rod = rod(0.0);
         let frequency_hz: Vec<f64> = (1..=900).map(|j| 10.0 * f64::from(j)).collect();
-        let gamma: Vec<Complex64> = frequency_hz
-            .iter()
-            .map(|f| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0))
-            .collect();
+        let gamma = gamma(&frequency_hz);
         let distances = [0.1, 0.25, 0.41];
         let noise = 1e-3;
         // errors of random phase whose squares have the distribution of circular noise

@@ -1,6 +1,6 @@
 //! Accuracy of an estimated variance.
 
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_positive, check_that};
 
 /// Degrees of freedom of the estimated variance of one line.
 ///
@@ -44,14 +44,10 @@ impl VarianceFreedom {
 
     pub(crate) fn check(self) -> Result<Self, CmodError> {
         check_positive("degrees of freedom of a variance", self.line)?;
-        check_positive("degrees of freedom that a line adds", self.own)?;
-        if self.own > self.line {
-            return Err(CmodError::NonPhysical {
-                quantity: "degrees of freedom that a line adds",
-                value: self.own,
-                expected: "at most those of its variance",
-            });
-        }
+        const OWN: &str = "degrees of freedom that a line adds";
+        check_positive(OWN, self.own)?;
+        let expected = "at most those of its variance";
+        check_that(self.own <= self.line, OWN, self.own, expected)?;
         Ok(self)
     }
 

@@ -7,7 +7,7 @@ use faer::linalg::solvers::{Solve as _, SolveLstsq as _};
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
 
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_finite, check_positive, check_that};
 use crate::estimate::VarianceFreedom;
 use crate::median::median;
 
@@ -142,13 +142,8 @@ impl Poles {
     ) -> Result<Self, CmodError> {
         check_positive("sampling rate [Hz]", rate_hz)?;
         let shortest = records.iter().map(|record| record.len()).min().unwrap_or(0);
-        if shortest < 64 {
-            return Err(CmodError::NonPhysical {
-                quantity: "samples of a free vibration",
-                value: shortest as f64,
-                expected: "at least 64",
-            });
-        }
+        let n = shortest as f64;
+        check_that(n >= 64.0, "samples of a free vibration", n, "at least 64")?;
         let mut parts: Vec<Vec<Spectrum>> = Vec::new();
         let spacing_hz = PI * hz_per_phase;
         let mut divisor = 1;
@@ -341,12 +336,8 @@ struct Spectrum {
 
 impl Spectrum {
     fn of(record: &[f64], rate_hz: f64) -> Result<Self, CmodError> {
-        if let Some(value) = record.iter().find(|value| !value.is_finite()) {
-            return Err(CmodError::NonPhysical {
-                quantity: "sample of a free vibration",
-                value: *value,
-                expected: "a finite number",
-            });
+        for value in record {
+            check_finite("sample of a free vibration", *value)?;
         }
         let n = record.len();
         let mut transform = RealFourier::new(n);

@@ -12,7 +12,7 @@ use rodwave::medium::{Medium, PropagationLaw};
 use super::projection::Projection;
 use super::spectra::{WhiteLine, check_positions};
 use crate::error::{
-    CmodError, check_finite, check_frequencies, check_not_negative, check_positive,
+    CmodError, check_finite, check_frequencies, check_not_negative, check_positive, check_that,
 };
 
 /// Expected waves in the rod: an incident wave of amplitude 1 along +x, and its reflection.
@@ -130,13 +130,8 @@ pub fn singular_frequencies<L: PropagationLaw>(
     };
     let half_waves = |f: f64| medium.wave_number(TAU * f) * spacing / PI;
     let most = half_waves(highest_hz);
-    if most.is_nan() || most > MOST_HALF_WAVES {
-        return Err(CmodError::NonPhysical {
-            quantity: "half waves in the common spacing at the highest frequency",
-            value: most,
-            expected: "at most 1e5",
-        });
-    }
+    let quantity = "half waves in the common spacing at the highest frequency";
+    check_that(most <= MOST_HALF_WAVES, quantity, most, "at most 1e5")?;
     let mut found = Vec::new();
     let mut number = 1.0;
     let mut below = 0.0;

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::spectra::GaugedRod;
-use crate::error::{CmodError, check_not_negative};
+use crate::error::{CmodError, check_not_negative, check_that};
 use crate::estimate::{ErrorSource, SystematicShift};
 
 /// Standard uncertainties of a rod with gauges, which are independent of each other and the same on
@@ -90,6 +90,9 @@ pub(super) struct GaugeInfluence {
     pub(super) end_length: Complex64,
 }
 
+/// Expected value of what belongs to a free end, without one.
+pub(super) const NO_FREE_END: &str = "0: no free end is used";
+
 impl GaugeUncertainty {
     pub(crate) fn check(self, n_gauges: usize, has_free_end: bool) -> Result<Self, CmodError> {
         for (quantity, value) in [
@@ -101,13 +104,7 @@ impl GaugeUncertainty {
             ("uncertainty of the diameter [m]", self.diameter),
         ] {
             check_not_negative(quantity, value)?;
-            if value > 0.0 && !has_free_end {
-                return Err(CmodError::NonPhysical {
-                    quantity,
-                    value,
-                    expected: "0: no free end is used",
-                });
-            }
+            check_that(has_free_end || value <= 0.0, quantity, value, NO_FREE_END)?;
         }
         check_not_negative("uncertainty of the density [kg/m^3]", self.density)?;
         for (quantity, values, expected) in [

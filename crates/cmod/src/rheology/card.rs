@@ -41,7 +41,7 @@ use super::data::ModulusData;
 use super::fit::{ErrorScale, FitOptions, RheologicalFit};
 use super::law::FittedLaw;
 use super::measured_law::{LawError, MeasuredLaw};
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_not_negative, check_positive, check_that};
 use in_band::in_band;
 use isotropic::Isotropic;
 
@@ -245,19 +245,13 @@ impl<'a> MaterialCard<'a> {
         let storage = self.law.at(std::f64::consts::TAU * frequency).re;
         let bulk = storage / (3.0 * (1.0 - 2.0 * self.poisson_ratio));
         let instantaneous = 0.5 - self.law.unrelaxed_modulus() / (6.0 * bulk);
-        let refused = |expected| CmodError::NonPhysical {
-            quantity: "instantaneous Poisson ratio",
-            value: instantaneous,
-            expected,
+        let check = |is_right, expected| {
+            let quantity = "instantaneous Poisson ratio";
+            check_that(is_right, quantity, instantaneous, expected)
         };
-        if instantaneous <= -1.0 {
-            return Err(refused("above -1"));
-        }
-        if ratio >= 0.0 && instantaneous < 0.0 {
-            return Err(refused(
-                "0 or above, because the stated ratio is not negative",
-            ));
-        }
+        check(instantaneous > -1.0, "above -1")?;
+        let expected = "0 or above, because the stated ratio is not negative";
+        check(ratio < 0.0 || instantaneous >= 0.0, expected)?;
         self.instantaneous_ratio = instantaneous;
         self.comments.push(format!(
             "Poisson ratio {ratio} {of_ratio} at {frequency:.3e} Hz"
@@ -314,24 +308,16 @@ impl<'a> MaterialCard<'a> {
             });
         }
         check_positive("density [kg/m^3]", density)?;
-        if !(poisson_ratio > -1.0 && poisson_ratio < 0.5) {
-            return Err(CmodError::NonPhysical {
-                quantity: "Poisson ratio",
-                value: poisson_ratio,
-                expected: "above -1 and below 0.5",
-            });
-        }
+        let is_right = poisson_ratio > -1.0 && poisson_ratio < 0.5;
+        let expected = "above -1 and below 0.5";
+        check_that(is_right, "Poisson ratio", poisson_ratio, expected)?;
         check_positive(
             "long-term modulus of a card [Pa]",
             law.equilibrium_modulus(),
         )?;
-        if law.branches().is_empty() {
-            return Err(CmodError::NonPhysical {
-                quantity: "number of branches of a card",
-                value: 0.0,
-                expected: "at least 1",
-            });
-        }
+        let has_branches = !law.branches().is_empty();
+        let quantity = "number of branches of a card";
+        check_that(has_branches, quantity, 0.0, "at least 1")?;
         Ok(Self {
             name,
             density,

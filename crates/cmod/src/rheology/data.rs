@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::count;
 use super::transient::{Lines, Reading};
-use crate::error::{CmodError, check_length, check_positive};
+use crate::error::{CmodError, check_length, check_positive, check_that};
 use crate::estimate::{ComplexCovariance, ErrorSource, ModulusEstimate, ModulusLine};
 
 /// Degrees of freedom of an estimated variance at or below which the weight of a line has infinite
@@ -92,13 +92,11 @@ impl VarianceScatter {
         let Some(freedom) = degrees_of_freedom.filter(|freedom| freedom.is_finite()) else {
             return Ok(Self::NONE);
         };
-        if freedom <= FEWEST_DEGREES_OF_FREEDOM {
-            return Err(CmodError::NonPhysical {
-                quantity: "degrees of freedom of the variance of a line",
-                value: freedom,
-                expected: "more than 4, from four hits or more: a fit weights lines by their variances",
-            });
-        }
+        let is_enough = freedom > FEWEST_DEGREES_OF_FREEDOM;
+        let quantity = "degrees of freedom of the variance of a line";
+        let expected =
+            "more than 4, from four hits or more: a fit weights lines by their variances";
+        check_that(is_enough, quantity, freedom, expected)?;
         Ok(Self {
             of_variance: freedom / (freedom - 2.0),
             of_covariance: (freedom - 2.0) / (freedom - 4.0),

@@ -17,7 +17,7 @@ use super::support::Support;
 use super::transient::{Lines, Reading};
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
-use crate::error::{CmodError, check_enough_readings, check_positive};
+use crate::error::{CmodError, check_enough_readings, check_positive, check_that};
 pub use crate::recovery::fit::ErrorScale;
 use crate::vectors::subtract;
 
@@ -128,15 +128,11 @@ impl FitOptions {
     }
 
     pub(super) fn checked(self) -> Result<Self, CmodError> {
-        if self.confidence > 0.0 && self.confidence < 1.0 {
-            Ok(self)
-        } else {
-            Err(CmodError::NonPhysical {
-                quantity: "level of confidence",
-                value: self.confidence,
-                expected: "a value between 0 and 1",
-            })
-        }
+        let level = self.confidence;
+        let is_right = level > 0.0 && level < 1.0;
+        let expected = "a value between 0 and 1";
+        check_that(is_right, "level of confidence", level, expected)?;
+        Ok(self)
     }
 
     /// Returns the quantile by which a standard error is multiplied to give a confidence interval.

@@ -2,7 +2,7 @@
 
 use super::fit::RheologicalFit;
 use super::law::FittedLaw;
-use crate::error::CmodError;
+use crate::error::{CmodError, check_finite};
 use crate::vectors::{dot, length, subtract};
 
 /// Part of the error of a law that is independent of all other parts, with the size of one standard
@@ -206,12 +206,8 @@ impl MeasuredLaw {
                     expected: coordinates.len(),
                 });
             }
-            if let Some(value) = error.shift.iter().find(|change| !change.is_finite()) {
-                return Err(CmodError::NonPhysical {
-                    quantity: "change of a parameter of a law",
-                    value: *value,
-                    expected: "a finite number",
-                });
+            for change in &error.shift {
+                check_finite("change of a parameter of a law", *change)?;
             }
         }
         let model = law.model()?;

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use super::data::{ModulusData, VarianceScatter, Whitening};
 use super::straight_line;
 use super::transient::{Reading, respond};
-use crate::error::CmodError;
+use crate::error::{CmodError, check_that};
 
 /// Distance in ln ω from a line, within which the lines determine the slope of the creep modulus at
 /// that line.
@@ -85,13 +85,10 @@ impl ModulusData {
         if points.is_empty() {
             return Err(CmodError::NoLines);
         }
-        if !(ramp.is_finite() && ramp >= 0.0) {
-            return Err(CmodError::NonPhysical {
-                quantity: "duration of the ramp of a load [s]",
-                value: ramp,
-                expected: "a finite value, 0 for a step",
-            });
-        }
+        let is_right = ramp.is_finite() && ramp >= 0.0;
+        let expected = "a finite value, 0 for a step";
+        let quantity = "duration of the ramp of a load [s]";
+        check_that(is_right, quantity, ramp, expected)?;
         let mut previous = ramp;
         for (index, point) in points.iter().enumerate() {
             let refused = |quantity, value, expected| {

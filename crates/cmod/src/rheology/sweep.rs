@@ -1,7 +1,7 @@
 //! Moduli of a material at several temperatures.
 
 use super::data::ModulusData;
-use crate::error::{CmodError, check_enough_readings, check_positive, check_values};
+use crate::error::{CmodError, check_enough_readings, check_finite, check_positive, check_values};
 
 /// Moduli of one material at several temperatures, with the factor of the modulus at each
 /// temperature, if it is known.
@@ -69,12 +69,8 @@ impl TemperatureSweep {
     pub fn with_stated_shifts(mut self, log_shifts: &[f64]) -> Result<Self, CmodError> {
         let count = self.data.len();
         check_values("array of shifts", log_shifts.len(), count, "temperature")?;
-        if let Some(value) = log_shifts.iter().find(|value| !value.is_finite()) {
-            return Err(CmodError::NonPhysical {
-                quantity: "stated ln a_T",
-                value: *value,
-                expected: "a finite value",
-            });
+        for value in log_shifts {
+            check_finite("stated ln a_T", *value)?;
         }
         self.stated_shifts = Some(log_shifts.to_vec());
         Ok(self)

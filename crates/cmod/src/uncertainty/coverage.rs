@@ -6,11 +6,13 @@ use std::sync::LazyLock;
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use crate::error::{CmodError, check_positive};
+use crate::error::{CmodError, check_positive, check_that};
 
 /// Probability of an error within five standard errors
 /// ([`STANDARD_ERRORS_WITHIN`](crate::validity::STANDARD_ERRORS_WITHIN)).
 pub(crate) const PROBABILITY_WITHIN: f64 = 0.999_999_426_696_856;
+
+const PROBABILITY: &str = "probability of coverage";
 
 /// Returns the factor k for which |error| <= kσ with this `probability`: from Student's
 /// distribution if σ was estimated with `degrees_of_freedom`, otherwise from the normal
@@ -23,13 +25,9 @@ pub fn coverage_factor(
     probability: f64,
     degrees_of_freedom: Option<f64>,
 ) -> Result<f64, CmodError> {
-    if !(probability > 0.0 && probability < 1.0) {
-        return Err(CmodError::NonPhysical {
-            quantity: "probability of coverage",
-            value: probability,
-            expected: "a value between 0 and 1",
-        });
-    }
+    let is_right = probability > 0.0 && probability < 1.0;
+    let expected = "a value between 0 and 1";
+    check_that(is_right, PROBABILITY, probability, expected)?;
     let range = FEWEST_OF_SERIES..MANY;
     if let Some(freedom) = degrees_of_freedom.filter(|freedom| range.contains(freedom))
         && let Some(series) = series_of(probability)
@@ -50,13 +48,8 @@ fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, Cm
         }
         Some(freedom) => {
             let freedom = check_positive("degrees of freedom", freedom)?;
-            if freedom < FEWEST {
-                return Err(CmodError::NonPhysical {
-                    quantity: "degrees of freedom",
-                    value: freedom,
-                    expected: "at least 0.01",
-                });
-            }
+            let is_enough = freedom >= FEWEST;
+            check_that(is_enough, "degrees of freedom", freedom, "at least 0.01")?;
             let student =
                 StudentsT::new(0.0, 1.0, freedom).map_err(|_| CmodError::NonPhysical {
                     quantity: "degrees of freedom",
@@ -73,15 +66,10 @@ fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, Cm
             }
         }
     };
-    if quantile.is_finite() {
-        Ok(-quantile)
-    } else {
-        Err(CmodError::NonPhysical {
-            quantity: "probability of coverage",
-            value: probability,
-            expected: "a value with a finite quantile: less close to 1, or with more degrees of freedom",
-        })
-    }
+    let expected =
+        "a value with a finite quantile: less close to 1, or with more degrees of freedom";
+    check_that(quantile.is_finite(), PROBABILITY, probability, expected)?;
+    Ok(-quantile)
 }
 
 /// Minimum degrees of freedom. With one degree of freedom there is neither a mean nor a variance;

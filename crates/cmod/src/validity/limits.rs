@@ -1,6 +1,6 @@
 //! Limits of a line in addition to the conditions of the paper: errors, amplification, coherence.
 
-use crate::error::CmodError;
+use crate::error::{CmodError, check_that};
 
 /// Default of [`AcceptanceLimits::storage_modulus`]: 1 % of E'.
 pub const GREATEST_STORAGE_MODULUS_ERROR: f64 = 0.01;
@@ -117,28 +117,16 @@ impl AcceptanceLimits {
             ("greatest error amplification", self.error_amplification),
         ];
         for (quantity, value) in above_zero {
-            if value.is_nan() || value <= 0.0 {
-                return Err(CmodError::NonPhysical {
-                    quantity,
-                    value,
-                    expected: "a value above 0, infinite for no limit",
-                });
-            }
+            let expected = "a value above 0, infinite for no limit";
+            check_that(value > 0.0, quantity, value, expected)?;
         }
-        if !(0.0..=1.0).contains(&self.coherence) {
-            return Err(CmodError::NonPhysical {
-                quantity: "least coherence",
-                value: self.coherence,
-                expected: "a value from 0 to 1",
-            });
-        }
-        if !(0.0..=0.5).contains(&self.greatest_poisson_ratio) {
-            return Err(CmodError::NonPhysical {
-                quantity: "greatest Poisson's ratio",
-                value: self.greatest_poisson_ratio,
-                expected: "a value from 0 to 0.5",
-            });
-        }
+        let is_coherence = (0.0..=1.0).contains(&self.coherence);
+        let expected = "a value from 0 to 1";
+        check_that(is_coherence, "least coherence", self.coherence, expected)?;
+        let ratio = self.greatest_poisson_ratio;
+        let is_ratio = (0.0..=0.5).contains(&ratio);
+        let expected = "a value from 0 to 0.5";
+        check_that(is_ratio, "greatest Poisson's ratio", ratio, expected)?;
         Ok(self)
     }
 }

@@ -48,21 +48,11 @@ fn largest_error(estimate: &ModulusEstimate, least: usize) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Returns the waves on the line s before an end at 2.5 m, of strain or of displacement; factors
-/// common to the gauges are omitted.
+/// Returns the waves on the line s before a mass [kg] on the end at 2.5 m, of strain or of
+/// displacement; factors common to the gauges are omitted. The force of the mass is m s² times its
+/// displacement. The waves are the sum of the waves before a free end and before a fixed end, in
+/// the ratio of this force to the impedance.
 fn waves(
-    positions: &[f64],
-    frequency_hz: &[f64],
-    damping: f64,
-    quantity: Quantity,
-) -> Vec<Vec<Complex64>> {
-    waves_before_mass(0.0, positions, frequency_hz, damping, quantity)
-}
-
-/// Returns the waves before a mass [kg] on the end, whose force is m s² times its displacement.
-/// They are the sum of the waves before a free end and before a fixed end, in the ratio of this
-/// force to the impedance.
-fn waves_before_mass(
     mass: f64,
     positions: &[f64],
     frequency_hz: &[f64],
@@ -145,7 +135,7 @@ fn exact_lines(claims: &mut Claims) {
             Quantity::Velocity,
         ),
     ] {
-        let spectra = waves_before_mass(mass, positions, &frequency_hz, 0.0, quantity);
+        let spectra = waves(mass, positions, &frequency_hz, 0.0, quantity);
         let method = MultiPoint::before_free_end(rod(positions), 2.5)
             .and_then(|method| method.with_end_mass(mass))
             .map(|method| method.with_quantity(quantity));
@@ -172,7 +162,7 @@ fn added_damping(claims: &mut Claims) {
         ("σ = 300 1/s, 0.5 to 15 kHz: |dE|/|E|", 300.0, 2e-6),
         ("σ = 1500 1/s, 0.5 to 15 kHz: |dE|/|E|", 1500.0, 2e-5),
     ] {
-        let spectra = waves(&[1.6, 2.0], &frequency_hz, damping, Quantity::Strain);
+        let spectra = waves(0.0, &[1.6, 2.0], &frequency_hz, damping, Quantity::Strain);
         let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
             .and_then(|method| method.with_limits(WIDE))
             .and_then(|method| method.with_added_damping(damping));
@@ -234,12 +224,8 @@ impl Shot {
         }
     }
 
-    fn calibrated(&self, factor: f64, damping: f64) -> SelfCalibration {
-        self.calibrated_with(factor, damping, 0.0)
-    }
-
-    /// Calibrates as above, with a standard uncertainty of the density [kg/m³].
-    fn calibrated_with(&self, factor: f64, damping: f64, density: f64) -> SelfCalibration {
+    /// Calibrates with a standard uncertainty of the density [kg/m³].
+    fn calibrated(&self, factor: f64, damping: f64, density: f64) -> SelfCalibration {
         let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
             .and_then(|method| method.with_limits(WIDE))
             .and_then(|method| method.with_added_damping(damping))
@@ -279,7 +265,7 @@ fn one_shot_on_a_ringing_bar_is_covered() {
             5..110,
             damping,
         );
-        let found = shot.calibrated(0.03, damping);
+        let found = shot.calibrated(0.03, damping, 0.0);
         let of_gain = found.sources()[0];
         assert_eq!(of_gain.source, ErrorSource::GaugeFactor(1));
         gains.push((0.03 * of_gain.size - gain.ln_1p()) / (0.03 * of_gain.standard_error));
@@ -313,8 +299,8 @@ fn uncertain_density_does_not_move_the_modulus() {
     let damping = 1100.0;
     let bar = LongBar::glassy();
     let shot = Shot::of(&bar, &bar.shot(&[1.0, 1.02], 3), SILENT, 5..110, damping);
-    let exact = shot.calibrated(0.03, damping);
-    let uncertain = shot.calibrated_with(0.03, damping, 35.0);
+    let exact = shot.calibrated(0.03, damping, 0.0);
+    let uncertain = shot.calibrated(0.03, damping, 35.0);
     let mut sources = uncertain.sources().iter();
     let density = sources
         .find(|of| of.source == ErrorSource::Density)
@@ -349,7 +335,7 @@ fn errors_of_an_end_mass_are_those_of_the_changed_rod() {
 
 fn errors_are_those_of_the_changed_rod(mass: f64, sources: &[ErrorSource]) {
     let frequency_hz: Vec<f64> = (20..120).map(|j| 50.0 * f64::from(j)).collect();
-    let spectra = waves_before_mass(mass, &[1.6, 2.0], &frequency_hz, 0.0, Quantity::Strain);
+    let spectra = waves(mass, &[1.6, 2.0], &frequency_hz, 0.0, Quantity::Strain);
     let relative = 1e-5;
     let estimate = |of_mass: f64, of_diameter: f64, of_density: f64| {
         let mut rod = rod(&[1.6, 2.0]);
@@ -430,7 +416,7 @@ fn bars_that_cannot_be_evaluated_are_refused() {
     }
     // six lines do not determine the variation of the modulus
     let frequency_hz: Vec<f64> = (20..26).map(|j| 50.0 * f64::from(j)).collect();
-    let spectra = waves(&[1.6, 2.0], &frequency_hz, 500.0, Quantity::Strain);
+    let spectra = waves(0.0, &[1.6, 2.0], &frequency_hz, 500.0, Quantity::Strain);
     let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
         .and_then(|method| method.with_added_damping(500.0))
         .and_then(|method| method.with_wave_speed(1400.0));

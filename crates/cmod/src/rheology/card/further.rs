@@ -6,7 +6,7 @@ use rodwave::modulus::ComplexModulus;
 
 use super::isotropic::{Isotropic, young_and_poisson};
 use super::{BulkBehaviour, MaterialCard, check_long_term, number};
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_not_negative, check_positive, check_that};
 
 /// Points per decade of the functions for Code_Aster. The program interpolates between the points
 /// on logarithmic scales; a Debye peak is then reproduced to 0.2 %.
@@ -59,13 +59,10 @@ impl MaterialCard<'_> {
     pub fn code_aster(&self, lowest_hz: f64, highest_hz: f64) -> Result<String, CmodError> {
         let decades = (highest_hz / lowest_hz).log10();
         let steps = (POINTS_PER_DECADE * decades).ceil();
-        if !(lowest_hz > 0.0 && steps >= 1.0 && steps < MOST_POINTS as f64) {
-            return Err(CmodError::NonPhysical {
-                quantity: "ratio of the ends of the band of a card",
-                value: highest_hz / lowest_hz,
-                expected: "above 1 and at most 1e100",
-            });
-        }
+        let is_right = lowest_hz > 0.0 && steps >= 1.0 && steps < MOST_POINTS as f64;
+        let quantity = "ratio of the ends of the band of a card";
+        let expected = "above 1 and at most 1e100";
+        check_that(is_right, quantity, highest_hz / lowest_hz, expected)?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

@@ -3,7 +3,7 @@
 use rodwave::modulus::GeneralisedMaxwell;
 
 use super::BulkBehaviour;
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_not_negative, check_positive, check_that};
 
 /// Relaxation of an isotropic solid: G(t) = G(0) - Σ Gᵢ (1 - e^{-t/τᵢ}), and K(t) in the same form.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,13 +130,9 @@ fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodErr
             .map(|(rate, modulus)| modulus * rate / (rate - high).powi(2))
             .sum();
         let shear = 27.0 * bulk * bulk / (high * slope);
-        if !(shear.is_finite() && shear > 0.0) {
-            return Err(CmodError::NonPhysical {
-                quantity: "shear modulus of a branch [Pa]",
-                value: shear,
-                expected: "a finite value above 0: relaxation times must differ",
-            });
-        }
+        let is_right = shear.is_finite() && shear > 0.0;
+        let expected = "a finite value above 0: relaxation times must differ";
+        check_that(is_right, "shear modulus of a branch [Pa]", shear, expected)?;
         terms.push(Term {
             shear,
             bulk: 0.0,
