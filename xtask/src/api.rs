@@ -10,28 +10,14 @@ mod listing;
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
 
-use crate::Outcome;
 use crate::cargo::{Metadata, run as call, target_folder};
 use crate::outside::{LIBRARIES, Program};
+use crate::{Outcome, none_of};
 use listing::Listing;
 use testbed::generated::{ensure_file_contents, workspace_root};
 
 /// Environment variable that names the rustdoc to be called when this program is called as rustdoc.
 const RUSTDOC: &str = "XTASK_RUSTDOC";
-
-/// Reasons why the public interface of a crate is not listed.
-#[derive(Debug, thiserror::Error)]
-enum ApiError {
-    #[error(
-        "{krate}: {source}. Each toolchain has its own format of rustdoc JSON: update `public-api` in Cargo.toml together with rust-toolchain.toml"
-    )]
-    NotRead {
-        krate: &'static str,
-        source: public_api::Error,
-    },
-    #[error("types in signatures that a program that uses only this crate cannot name:\n{0}")]
-    NotNameable(String),
-}
 
 /// Writes the listings; with `check`, compares them with the files.
 pub(crate) fn run(check: bool) -> Outcome {
@@ -61,15 +47,18 @@ pub(crate) fn run(check: bool) -> Outcome {
             .omit_blanket_impls(true)
             .include_function_parameter_names(true)
             .build()
-            .map_err(|source| ApiError::NotRead { krate, source })?;
+            .map_err(|error| {
+                format!(
+                    "{krate}: {error}. Each toolchain has its own format of rustdoc JSON: update `public-api` in Cargo.toml together with rust-toolchain.toml"
+                )
+            })?;
         let listing = Listing::of(krate, public.items().map(ToString::to_string));
         faults.extend(listing.not_nameable());
         println!("{krate}: {} public items", listing.len());
         listings.push((krate, listing));
     }
-    if !faults.is_empty() {
-        return Err(ApiError::NotNameable(faults.join("\n")).into());
-    }
+    let what = "types in signatures that a program that uses only this crate cannot name";
+    none_of(&faults, what)?;
     for (krate, listing) in listings {
         ensure_file_contents(
             &root.join("docs").join("api").join(format!("{krate}.txt")),

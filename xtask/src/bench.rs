@@ -7,7 +7,6 @@
 //! not depend on the load.
 
 mod criterion;
-mod error;
 mod instructions;
 mod kernel;
 mod machine;
@@ -22,7 +21,6 @@ use std::path::Path;
 use crate::Outcome;
 use testbed::generated::{ensure_file_contents, workspace_root, write_whole};
 
-use error::BenchError;
 use kernel::KERNELS;
 use measured::Measured;
 use program::Programs;
@@ -68,32 +66,10 @@ enum Pace {
 }
 
 impl Pace {
-    fn warm_up_seconds(self) -> &'static str {
+    fn choose<T>(self, whole: T, quick: T) -> T {
         match self {
-            Self::Whole => "0.3",
-            Self::Quick => "0.1",
-        }
-    }
-
-    fn measurement_seconds(self) -> &'static str {
-        match self {
-            Self::Whole => "0.7",
-            Self::Quick => "0.2",
-        }
-    }
-
-    fn samples(self) -> &'static str {
-        match self {
-            Self::Whole => "20",
-            Self::Quick => "10",
-        }
-    }
-
-    /// Returns the number of timed runs of a short program.
-    fn runs(self) -> usize {
-        match self {
-            Self::Whole => 11,
-            Self::Quick => 3,
+            Self::Whole => whole,
+            Self::Quick => quick,
         }
     }
 }
@@ -102,7 +78,9 @@ impl Pace {
 pub(crate) fn run(task: Task) -> Outcome {
     let root = workspace_root();
     if cfg!(debug_assertions) && matches!(task, Task::Measure | Task::Try) {
-        return Err(Box::new(BenchError::Unoptimised));
+        return Err(
+            "times of an unoptimised build are meaningless: call `cargo xtask bench`".into(),
+        );
     }
     let targets = Targets::read(&root.join(TARGETS))?;
     known_programs(&targets, &root.join(TARGETS))?;
@@ -185,26 +163,21 @@ fn say(page: &str, path: &str) {
 }
 
 /// Checks that every program named in a row exists.
-fn known_programs(targets: &Targets, path: &Path) -> Result<(), BenchError> {
+fn known_programs(targets: &Targets, path: &Path) -> Outcome {
     for (what, of) in targets.quantities() {
         if let Quantity::Process(name) | Quantity::Memory(name) = of
             && !program::NAMES.contains(&name.as_str())
         {
-            return Err(BenchError::Row {
-                path: path.to_path_buf(),
-                what: what.to_owned(),
-                reason: format!(
-                    "there is no program `{name}`, expected one of {}",
-                    program::NAMES.join("; ")
-                ),
-            });
+            let expected = program::NAMES.join("; ");
+            let reason = format!("there is no program `{name}`, expected one of {expected}");
+            return Err(target::fault(path, what, &reason));
         }
     }
     Ok(())
 }
 
 /// Checks that a reason is given for every missed target and for every growth beyond its limit.
-fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Result<(), BenchError> {
+fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Outcome {
     let results = result::results(targets, measured)?.into_iter().flatten();
     let rows = targets.rows().zip(results).filter_map(|(row, result)| {
         (!result.is_met() && row.missed.trim().is_empty()).then_some(&row.what)
@@ -219,16 +192,15 @@ fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Result<(), Be
         });
     match rows.chain(growth).next() {
         None => Ok(()),
-        Some(what) => Err(BenchError::Row {
-            path: path.to_path_buf(),
-            what: what.clone(),
-            reason: "missed, but the reason and what was tried are not stated".to_owned(),
-        }),
+        Some(what) => {
+            let reason = "missed, but the reason and what was tried are not stated";
+            Err(target::fault(path, what, reason))
+        }
     }
 }
 
 /// Checks that the benchmark programs and kernels in the sources are those that were measured.
-fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
+fn same_benchmarks(root: &Path, measured: &Measured) -> Outcome {
     let benches = criterion::programs(root)?;
     let there: Vec<String> = benches
         .iter()
@@ -259,17 +231,17 @@ fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
     if not_measured.is_empty() && not_there.is_empty() {
         Ok(())
     } else {
-        Err(BenchError::OtherBenchmarks {
-            not_measured,
-            not_there,
-            command: COMMAND,
-        })
+        Err(format!(
+            "benchmarks of the sources and of the measurements differ: not measured {not_measured:?}, not in the sources \
+             {not_there:?}; run `{COMMAND}`"
+        )
+        .into())
     }
 }
 
 /// Runs all benchmarks and programs, and counts the instructions of the kernels. Without valgrind,
 /// and in a quick run, the counts of `before` are kept.
-fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchError> {
+fn measure(root: &Path, pace: Pace, before: Measured) -> Outcome<Measured> {
     let machine = machine::machine(pace == Pace::Quick);
     let work = root.join(WORK);
     eprintln!("building the programs and writing their records");
@@ -302,7 +274,7 @@ fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchE
     })
 }
 
-fn count(root: &Path) -> Result<measured::Instructions, BenchError> {
+fn count(root: &Path) -> Outcome<measured::Instructions> {
     instructions::count(&root.join(WORK).join("callgrind"))
 }
 

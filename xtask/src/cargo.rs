@@ -1,10 +1,11 @@
 //! Calls of cargo and other programs, and the packages of `cargo metadata`.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, ExitStatus};
 
 use serde::Deserialize;
 
+use crate::Outcome;
 use testbed::generated::workspace_root;
 
 /// Returns the cargo that runs this task.
@@ -23,55 +24,36 @@ pub(crate) fn target_folder() -> PathBuf {
     }
 }
 
-/// Reason why a call of cargo failed.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum CargoError {
-    #[error("`{call}` ended with {status}:\n{said}")]
-    Failed {
-        call: String,
-        status: String,
-        said: String,
-    },
-    #[error("`{call}`: {source}")]
-    NotStarted {
-        call: String,
-        source: std::io::Error,
-    },
-    #[error("`{call}` did not write the expected JSON: {source}")]
-    NotMetadata {
-        call: String,
-        source: serde_json::Error,
-    },
-}
-
-/// Output of a successful call.
+/// Output of a call.
 #[derive(Debug)]
 pub(crate) struct Said {
     pub(crate) output: String,
     pub(crate) remarks: String,
 }
 
-/// Runs `command` to its end.
-pub(crate) fn run(command: &mut Command) -> Result<Said, CargoError> {
-    let call = call(command);
-    let ended = command.output();
-    let output = match ended {
-        Ok(output) => output,
-        Err(source) => return Err(CargoError::NotStarted { call, source }),
-    };
+/// Runs `command` to its end, and returns its status and its output.
+pub(crate) fn ended(command: &mut Command) -> Outcome<(ExitStatus, Said)> {
+    let output = command.output();
+    let output = output.map_err(|error| format!("`{}`: {error}", call(command)))?;
     let said = Said {
         output: String::from_utf8_lossy(&output.stdout).into_owned(),
         remarks: String::from_utf8_lossy(&output.stderr).into_owned(),
     };
-    if output.status.success() {
-        Ok(said)
-    } else {
-        Err(CargoError::Failed {
-            call,
-            status: output.status.to_string(),
-            said: format!("{}{}", said.output, said.remarks),
-        })
+    Ok((output.status, said))
+}
+
+/// Runs `command` to its end; a status other than 0 is an error.
+pub(crate) fn run(command: &mut Command) -> Outcome<Said> {
+    let (status, said) = ended(command)?;
+    if status.success() {
+        return Ok(said);
     }
+    let Said { output, remarks } = said;
+    Err(format!(
+        "`{}` ended with {status}:\n{output}{remarks}",
+        call(command)
+    )
+    .into())
 }
 
 fn call(command: &Command) -> String {
@@ -162,16 +144,19 @@ pub(crate) struct EdgeKind {
 impl Metadata {
     /// Returns the metadata of the package whose manifest is in `folder`, without network access.
     /// The `selection` contains the arguments that select features.
-    pub(crate) fn of(folder: &Path, selection: &[&str]) -> Result<Self, CargoError> {
+    pub(crate) fn of(folder: &Path, selection: &[&str]) -> Outcome<Self> {
         let mut command = cargo();
         command
             .args(["metadata", "--offline", "--format-version", "1"])
             .args(selection)
             .current_dir(folder);
         let said = run(&mut command)?;
-        serde_json::from_str(&said.output).map_err(|source| CargoError::NotMetadata {
-            call: call(&command),
-            source,
+        serde_json::from_str(&said.output).map_err(|error| {
+            format!(
+                "`{}` did not write the expected JSON: {error}",
+                call(&command)
+            )
+            .into()
         })
     }
 

@@ -7,15 +7,15 @@
 //! that does not apply, a program that does not compile, and a test that passes or does not exist
 //! are errors.
 
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
-use std::{fs, io};
 
 use serde::Deserialize;
 
-use crate::Outcome;
-use crate::book::source::files_below;
-use crate::cargo::{CargoError, cargo, run as run_command, target_folder};
+use crate::cargo::{cargo, ended, run as run_command, target_folder};
+use crate::files::{self, files_below};
+use crate::{Outcome, none_of};
 use testbed::generated::workspace_root;
 use testbed::ron_text::parse_ron;
 
@@ -53,32 +53,6 @@ enum Program {
     It,
 }
 
-/// Errors of the list, the copy or a test.
-#[derive(Debug, thiserror::Error)]
-enum FaultsError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
-    #[error(
-        "faults.ron lists {listed:?} with their tests, but {FOLDER} contains the patches {found:?}"
-    )]
-    Listed {
-        listed: Vec<String>,
-        found: Vec<String>,
-    },
-    #[error("there is no fault `{0}`, expected one of {1}")]
-    Unknown(String, String),
-    #[error("with {patch} the tests of {package} do not run:\n{said}")]
-    NotRun {
-        patch: String,
-        package: String,
-        said: String,
-    },
-    #[error("tests that do not detect their fault: {}", .0.join(", "))]
-    NotSeen(Vec<String>),
-    #[error("faults.ron names `{test}`, and {package} has no such test")]
-    NoTest { package: String, test: String },
-}
-
 /// Restores the faults named in `names`, or all if it is empty, and requires that their tests fail.
 /// With `check`, only requires that each patch applies and that its tests exist.
 pub(crate) fn run(names: &[String], check: bool) -> Outcome {
@@ -87,10 +61,8 @@ pub(crate) fn run(names: &[String], check: bool) -> Outcome {
     let is_unknown = |name: &&String| faults.iter().all(|fault| fault.patch != **name);
     if let Some(found) = names.iter().find(is_unknown) {
         let expected: Vec<_> = faults.iter().map(|fault| &*fault.patch).collect();
-        return Err(Box::new(FaultsError::Unknown(
-            found.clone(),
-            expected.join(", "),
-        )));
+        let expected = expected.join(", ");
+        return Err(format!("there is no fault `{found}`, expected one of {expected}").into());
     }
     let copy = target_folder().join("faults").join("tree");
     let mut unseen = Vec::new();
@@ -120,9 +92,7 @@ pub(crate) fn run(names: &[String], check: bool) -> Outcome {
             }
         }
     }
-    if !unseen.is_empty() {
-        return Err(Box::new(FaultsError::NotSeen(unseen)));
-    }
+    none_of(&unseen, "tests do not detect their fault")?;
     if check {
         println!("the patches of {} former faults apply", faults.len());
     }
@@ -130,49 +100,41 @@ pub(crate) fn run(names: &[String], check: bool) -> Outcome {
 }
 
 /// Returns the list. It must contain every patch of the folder, each with one test at least.
-fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
+fn listed(root: &Path) -> Outcome<Vec<Fault>> {
     let folder = root.join(FOLDER);
     let list = folder.join("faults.ron");
-    let at = |path: &Path, source| FaultsError::Io {
-        path: path.to_owned(),
-        source,
-    };
-    let text = fs::read_to_string(&list).map_err(|source| at(&list, source))?;
-    let faults: Vec<Fault> = parse_ron(&list, &text)?;
-    let mut found = Vec::new();
-    for entry in fs::read_dir(&folder).map_err(|source| at(&folder, source))? {
-        let name = entry.map_err(|source| at(&folder, source))?.file_name();
-        let name = name.to_string_lossy();
-        found.extend(name.strip_suffix(".patch").map(str::to_owned));
-    }
+    let faults: Vec<Fault> = parse_ron(&list, &files::read(&list)?)?;
+    let patches = files_below(&folder, "patch")?;
+    let names = patches.iter().filter_map(|path| path.file_stem());
+    let found: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
     let is_seen = |fault: &&Fault| fault.seen_by.iter().any(|seen| !seen.tests.is_empty());
     let listed = faults.iter().filter(is_seen);
-    let mut listed: Vec<String> = listed.map(|fault| fault.patch.clone()).collect();
-    listed.sort();
-    found.sort();
+    let mut listed: Vec<&str> = listed.map(|fault| &*fault.patch).collect();
+    listed.sort_unstable();
     if listed != found || listed.len() != faults.len() {
-        return Err(Box::new(FaultsError::Listed { listed, found }));
+        return Err(format!(
+            "faults.ron lists {listed:?} with their tests, but {FOLDER} contains the patches {found:?}"
+        )
+        .into());
     }
     Ok(faults)
 }
 
 /// Requires that the package of `seen` contains functions with the names of the tests.
-fn has_tests(root: &Path, seen: &Seen) -> Result<(), FaultsError> {
+fn has_tests(root: &Path, seen: &Seen) -> Outcome {
     let folder = root.join("crates").join(&seen.package);
-    let read = |path: &PathBuf| fs::read_to_string(path);
-    let texts = files_below(&folder, "rs").and_then(|files| files.iter().map(read).collect());
-    let texts: Vec<String> = texts.map_err(|source| FaultsError::Io {
-        path: folder,
-        source,
-    })?;
+    let mut texts = String::new();
+    for file in files_below(&folder, "rs")? {
+        texts += &files::read(&file)?;
+    }
     for test in &seen.tests {
         let name = test.rsplit("::").next().unwrap_or(test);
         let function = format!("fn {name}()");
-        if !texts.iter().any(|text| text.contains(&function)) {
-            return Err(FaultsError::NoTest {
-                package: seen.package.clone(),
-                test: test.clone(),
-            });
+        if !texts.contains(&function) {
+            let package = &seen.package;
+            return Err(
+                format!("faults.ron names `{test}`, and {package} has no such test").into(),
+            );
         }
     }
     Ok(())
@@ -203,13 +165,13 @@ fn mirror(root: &Path, copy: &Path) -> Outcome {
         }
         fs::create_dir_all(to.parent().unwrap_or(copy))
             .and_then(|()| fs::write(&to, contents))
-            .map_err(|source| FaultsError::Io { path: to, source })?;
+            .map_err(files::at(&to))?;
     }
     Ok(())
 }
 
 /// Returns the output of the tests in `tree`, in which `fault` has been restored.
-fn said_by_tests(tree: &Path, fault: &Fault, seen: &Seen) -> Result<String, FaultsError> {
+fn said_by_tests(tree: &Path, fault: &Fault, seen: &Seen) -> Outcome<String> {
     let program = match seen.program {
         Program::Lib => &["--lib"][..],
         Program::It => &["--test", "it"],
@@ -219,13 +181,10 @@ fn said_by_tests(tree: &Path, fault: &Fault, seen: &Seen) -> Result<String, Faul
     command.args(program).args(["--", "--exact"]);
     command.args(&seen.tests).current_dir(tree);
     command.env("CARGO_TARGET_DIR", target_folder().join("faults/target"));
-    match run_command(&mut command) {
-        Ok(said) => Ok(said.output),
-        Err(CargoError::Failed { said, .. }) if said.contains("test result:") => Ok(said),
-        Err(error) => Err(FaultsError::NotRun {
-            patch: fault.patch.clone(),
-            package: seen.package.clone(),
-            said: error.to_string(),
-        }),
+    let (status, said) = ended(&mut command)?;
+    if status.success() || said.output.contains("test result:") {
+        return Ok(said.output);
     }
+    let (patch, package, said) = (&fault.patch, &seen.package, said.output + &said.remarks);
+    Err(format!("with {patch} the tests of {package} do not run:\n{said}").into())
 }

@@ -19,6 +19,7 @@ mod cargo;
 #[cfg(test)]
 mod circles;
 mod faults;
+mod files;
 mod fixtures;
 mod outside;
 mod package;
@@ -32,7 +33,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use reproduce::{Keep, Paper};
+use reproduce::Paper;
 
 /// Fixtures, reproductions of the papers, and validation.
 #[derive(Parser)]
@@ -190,16 +191,6 @@ struct Comparison {
     accept: bool,
 }
 
-impl Comparison {
-    fn keep(&self) -> Keep {
-        match (self.check, self.accept) {
-            (_, true) => Keep::Accept,
-            (true, false) => Keep::Check,
-            (false, false) => Keep::Show,
-        }
-    }
-}
-
 fn main() -> ExitCode {
     if let Some(status) = api::as_rustdoc() {
         return status;
@@ -207,12 +198,12 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Fixtures { check } => fixtures::run(check),
         Task::Faults { names, check } => faults::run(&names, check),
-        Task::ReproducePaperA(comparison) => reproduce::run(&[Paper::A], comparison.keep()),
-        Task::ReproducePaperB(comparison) => reproduce::run(&[Paper::B], comparison.keep()),
-        Task::ReproducePaperC(comparison) => reproduce::run(&[Paper::C], comparison.keep()),
-        Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], comparison.keep()),
-        Task::ReproducePaperE(comparison) => reproduce::run(&[Paper::E], comparison.keep()),
-        Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, comparison.keep()),
+        Task::ReproducePaperA(comparison) => reproduce::run(&[Paper::A], &comparison),
+        Task::ReproducePaperB(comparison) => reproduce::run(&[Paper::B], &comparison),
+        Task::ReproducePaperC(comparison) => reproduce::run(&[Paper::C], &comparison),
+        Task::ReproducePaperD(comparison) => reproduce::run(&[Paper::D], &comparison),
+        Task::ReproducePaperE(comparison) => reproduce::run(&[Paper::E], &comparison),
+        Task::ReproduceAll(comparison) => reproduce::run(&Paper::ALL, &comparison),
         Task::Book {
             check,
             if_installed,
@@ -253,6 +244,16 @@ fn tasks() -> Vec<String> {
         .collect()
 }
 
-/// Result of every task: nothing, or an error that states what is wrong, where, what was found and
-/// what was expected.
-type Outcome = Result<(), Box<dyn std::error::Error>>;
+/// Error of a task, which states what is wrong, where, what was found and what was expected.
+type Error = Box<dyn std::error::Error + Send + Sync>;
+
+/// Result of every task.
+type Outcome<T = ()> = Result<T, Error>;
+
+/// Fails with `what` is wrong, and every fault in its own line, if there is a fault.
+fn none_of(faults: &[String], what: &str) -> Outcome {
+    match faults.len() {
+        0 => Ok(()),
+        count => Err(format!("{count} {what}:\n  {}", faults.join("\n  ")).into()),
+    }
+}

@@ -11,8 +11,8 @@ mod page;
 mod program;
 mod pulled_in;
 
-use crate::Outcome;
 use crate::cargo::Metadata;
+use crate::{Outcome, none_of};
 use testbed::generated::{ensure_file_contents, workspace_root};
 
 pub(crate) use program::Program;
@@ -80,13 +80,6 @@ struct Alone<'a> {
     by_feature: Vec<(String, PulledIn)>,
 }
 
-/// Error of a crate with dependencies that are not allowed.
-#[derive(Debug, thiserror::Error)]
-enum OutsideError {
-    #[error("{0} dependencies are not allowed:\n{1}")]
-    PulledIn(usize, String),
-}
-
 /// Checks a program with each library crate alone and writes `docs/dependencies.md`; with `check`,
 /// fails if that page is not current.
 pub(crate) fn run(check: bool) -> Outcome {
@@ -101,9 +94,9 @@ pub(crate) fn run(check: bool) -> Outcome {
         for (feature, pulled_in) in &by_feature {
             faults.extend(pulled_in.faults(library, Some(feature)));
         }
-        program.check_alone(&[])?;
+        program.check_alone("--no-default-features")?;
         if !by_feature.is_empty() {
-            program.check_alone(&["--all-features"])?;
+            program.check_alone("--all-features")?;
         }
         println!(
             "{}: {} crates linked, {} on some platforms, {} while compiling; the program in its README compiles without warnings",
@@ -118,9 +111,7 @@ pub(crate) fn run(check: bool) -> Outcome {
             by_feature,
         });
     }
-    if !faults.is_empty() {
-        return Err(OutsideError::PulledIn(faults.len(), faults.join("\n")).into());
-    }
+    none_of(&faults, "dependencies are not allowed")?;
     ensure_file_contents(
         &root.join("docs").join("dependencies.md"),
         &page::of(&listed, &workspace),

@@ -10,8 +10,8 @@ mod oldest;
 use std::fs;
 use std::path::Path;
 
-use crate::Outcome;
 use crate::cargo::{Metadata, Package, cargo, run as call};
+use crate::{Outcome, none_of};
 use testbed::generated::workspace_root;
 
 /// Files that every package contains; cargo adds the first three.
@@ -39,11 +39,6 @@ const FOLDERS: [(&str, &[&str]); 4] = [
 
 /// Largest size of a package, not compressed \[bytes\]; a registry accepts 10 MB compressed.
 const LARGEST: u64 = 4_000_000;
-
-/// Faults of a package.
-#[derive(Debug, thiserror::Error)]
-#[error("{} faults in packages:\n{}", .0.len(), .0.join("\n"))]
-struct Faults(Vec<String>);
 
 /// Checks the package of every crate.
 pub(crate) fn run() -> Outcome {
@@ -92,11 +87,7 @@ pub(crate) fn run() -> Outcome {
     let (oldest, of_oldest) = oldest::of(&names, &workspace);
     println!("{oldest}");
     faults.extend(of_oldest);
-    if faults.is_empty() {
-        Ok(())
-    } else {
-        Err(Faults(faults).into())
-    }
+    none_of(&faults, "faults in packages")
 }
 
 /// Returns the crates of the workspace that are for other users: all except the tasks, the common

@@ -4,7 +4,14 @@
 //! The module of each paper provides a [`Reproduction`]. This module contains the common part: the
 //! paths of files, the comparison with the snapshot, the printed output.
 
-pub(crate) mod number;
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "counts of tests, lines and cells, from the transcribed tables of the papers"
+)]
+
+mod coverage;
+mod number;
 mod paper_a;
 mod paper_b;
 mod paper_c;
@@ -17,13 +24,13 @@ use std::time::Instant;
 use rodfigure::{Figure, Panel};
 use serde_json::Value;
 
-use crate::Outcome;
-use crate::snapshot;
+use crate::{Comparison, Error, Outcome, snapshot};
 use testbed::generated::{workspace_root, write_whole};
 
-pub(crate) use table::Table;
+pub(crate) use table::{Table, table_of};
 
-type Error = Box<dyn std::error::Error + Send + Sync>;
+/// Figure of paper D that the README shows.
+const SHOWN: &str = "polypropylene.svg";
 
 /// Paper of the thesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,17 +67,6 @@ impl Paper {
     }
 }
 
-/// Use of the result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Keep {
-    /// Print it and write it to target/reproduce.
-    Show,
-    /// Also compare it with the snapshot.
-    Check,
-    /// Also make it the new snapshot.
-    Accept,
-}
-
 /// Reproduction of a paper.
 #[derive(Debug)]
 pub(crate) struct Reproduction {
@@ -86,16 +82,6 @@ pub(crate) struct Reproduction {
     pub(crate) summary: Value,
     /// Other files by name: figures, and tables for further computation.
     pub(crate) files: Vec<(String, String)>,
-    /// Figure shown by the README or the documentation, with its path relative to the root of the
-    /// workspace.
-    pub(crate) shown: Option<Shown>,
-}
-
-/// Figure that is part of the repository.
-#[derive(Debug)]
-pub(crate) struct Shown {
-    pub(crate) file: &'static str,
-    pub(crate) path: &'static str,
 }
 
 impl Reproduction {
@@ -119,12 +105,10 @@ fn drawn(name: &str, title: &str, panels: Vec<Panel>) -> (String, String) {
 
 /// Reproduces `papers`. A single paper is printed as a whole page; of several papers, only titles
 /// and conclusions.
-pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
+pub(crate) fn run(papers: &[Paper], keep: &Comparison) -> Outcome {
     for paper in papers {
         let began = Instant::now();
-        let result = paper
-            .compute()
-            .map_err(|error| -> Box<dyn std::error::Error> { error })?;
+        let result = paper.compute()?;
         let page = result.page();
         match papers {
             [_] => println!("{page}"),
@@ -135,20 +119,23 @@ pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
                 }
             }
         }
-        write(*paper, &result, &page, keep == Keep::Accept)?;
-        if keep != Keep::Show {
+        write(*paper, &result, &page, keep.accept)?;
+        if keep.check || keep.accept {
             let letter = paper.letter();
             let name = format!("xtask/snapshots/reproduce-paper-{letter}.json");
-            let accept = keep == Keep::Accept;
             snapshot::compare(
                 &workspace_root().join(&name),
                 &result.summary,
-                accept,
+                keep.accept,
                 &format!("cargo xtask reproduce-paper-{letter} --accept"),
             )?;
             println!(
                 "{} {name}",
-                if accept { "Accepted as" } else { "Agrees with" }
+                if keep.accept {
+                    "Accepted as"
+                } else {
+                    "Agrees with"
+                }
             );
         }
         // the duration is printed and not written to a file: the files are the same on every
@@ -167,11 +154,11 @@ fn write(paper: Paper, result: &Reproduction, page: &str, accept: bool) -> Outco
     )?;
     for (name, contents) in &result.files {
         write_whole(&folder.join(name), contents)?;
-        match &result.shown {
-            Some(shown) if accept && shown.file == name => {
-                write_whole(&workspace_root().join(shown.path), contents)?;
-            }
-            _ => {}
+        if accept && name == SHOWN {
+            write_whole(
+                &workspace_root().join("docs/figures/reproduce-paper-d.svg"),
+                contents,
+            )?;
         }
     }
     println!("Written to {}", folder.display());

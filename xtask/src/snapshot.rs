@@ -4,12 +4,13 @@
 //! relative tolerance, because the last digits of exp and ln differ between machines. The values of
 //! [`NOT_COMPARED`] depend on these digits or follow from other values, and are not compared.
 
-use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
 
-use testbed::generated::{GeneratedError, write_whole};
+use crate::Outcome;
+use crate::files::read;
+use testbed::generated::write_whole;
 
 /// Largest relative difference that does not count as a change: far below every printed digit, far
 /// above rounding.
@@ -27,46 +28,25 @@ const ERRORS: [&str; 2] = ["relative_error", "standard_error"];
 /// keys.
 const NOT_COMPARED: [&str; 4] = ["stopped_at", "iterations", "at_rounding", "deviation"];
 
-/// The result differs from the snapshot.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{} differences from the snapshot {path}; the first: {first}. If the change is intended, run \
-     `{command}` and record it under Numerics in CHANGELOG.md", differences.len()
-)]
-pub(crate) struct Drift {
-    path: String,
-    differences: Vec<String>,
-    first: String,
-    command: String,
-}
-
 /// Compares `found` with the snapshot at `path`, or writes it there with `accept`.
-pub(crate) fn compare(
-    path: &Path,
-    found: &Value,
-    accept: bool,
-    command: &str,
-) -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn compare(path: &Path, found: &Value, accept: bool, command: &str) -> Outcome {
     if accept {
         let text = serde_json::to_string_pretty(&rounded(found))? + "\n";
-        write_whole(path, &text)?;
-        return Ok(());
+        return Ok(write_whole(path, &text)?);
     }
-    let text = fs::read_to_string(path).map_err(|source| GeneratedError::Io {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let text = read(path)?;
     let expected: Value = serde_json::from_str(&text)?;
     let mut differences = Vec::new();
     differ("", &expected, found, &mut differences);
     match differences.first() {
         None => Ok(()),
-        Some(first) => Err(Box::new(Drift {
-            path: path.display().to_string(),
-            first: first.clone(),
-            differences,
-            command: command.to_owned(),
-        })),
+        Some(first) => Err(format!(
+            "{} differences from the snapshot {}; the first: {first}. If the change is intended, run \
+             `{command}` and record it under Numerics in CHANGELOG.md",
+            differences.len(),
+            path.display()
+        )
+        .into()),
     }
 }
 

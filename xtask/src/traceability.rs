@@ -6,19 +6,16 @@
 //! may instead be reproduced by code that compares its numbers with a snapshot.
 
 mod citation;
-mod error;
 mod numbered;
 mod page;
 mod place;
 
 use std::collections::BTreeSet;
-use std::fs;
 
 use testbed::generated::{ensure_file_contents, workspace_root};
 
-use crate::Outcome;
+use crate::{Outcome, none_of};
 
-use error::{Fault, Faults};
 use numbered::{Kind, Numbered, Part};
 use place::{Place, Role};
 
@@ -37,16 +34,13 @@ pub(crate) struct Traced {
 impl Traced {
     /// Returns the fault of an item that lacks code or proof. Items of the survey are exempt,
     /// because it repeats the papers; for a table or figure, a reproduction is sufficient.
-    fn fault(&self) -> Option<Fault> {
+    fn fault(&self) -> Option<String> {
         if self.item.part == Part::Survey || !self.item.has_number() {
             return None;
         }
         let has = |role| self.places.iter().any(|place| place.role == role);
         let reproduced = self.item.kind != Kind::Equation && has(Role::Reproduced);
-        let missing = |what| Fault::NotCited {
-            item: self.item.clone(),
-            what,
-        };
+        let missing = |what| format!("{}: not cited by any {what}", self.item);
         match (has(Role::Implemented), has(Role::Proved)) {
             _ if reproduced => None,
             (true, true) => None,
@@ -69,28 +63,15 @@ pub(crate) fn run(check: bool) -> Outcome {
         .collect();
     let citations = citation::of_workspace(root)?;
     let mut faults = Vec::new();
-    let mut text = (String::new(), String::new());
     for citation in &citations {
-        if text.0 != citation.file {
-            text = (
-                citation.file.clone(),
-                fs::read_to_string(root.join(&citation.file))?,
-            );
-        }
-        match items
-            .iter_mut()
-            .find(|traced| traced.item == citation.cited)
-        {
-            Some(traced) => traced
-                .places
-                .extend(place::of(&citation.file, &text.1, citation.line)),
+        let mut items = items.iter_mut();
+        match items.find(|traced| traced.item == citation.cited) {
+            Some(traced) => traced.places.extend(citation.place.clone()),
             None => faults.push(citation.fault()),
         }
     }
     faults.extend(items.iter().filter_map(Traced::fault));
-    if !faults.is_empty() {
-        return Err(Box::new(Faults(faults)));
-    }
+    none_of(&faults, "items of the thesis are not traced")?;
     ensure_file_contents(&root.join(PAGE), &page::markdown(&items), check, COMMAND)?;
     println!(
         "{} items traced by {} citations: {PAGE} is {}",
@@ -124,8 +105,7 @@ mod tests {
     #[test]
     fn an_equation_wants_code_and_proof_and_a_table_may_be_reproduced() {
         use Role::{Implemented, Proved, Reproduced};
-        let fault =
-            |kind, roles: &[Role]| traced(kind, roles).fault().map(|fault| fault.to_string());
+        let fault = |kind, roles: &[Role]| traced(kind, roles).fault();
         for roles in [&[] as &[Role], &[Proved], &[Reproduced, Proved]] {
             assert_eq!(
                 fault(Kind::Equation, roles).as_deref(),

@@ -25,8 +25,9 @@ use testbed::papers::files;
 
 use page::Page;
 
-use crate::Outcome;
 use crate::cargo::{cargo, target_folder};
+use crate::files::read;
+use crate::{Outcome, none_of};
 
 /// Command that writes the page.
 const COMMAND: &str = "cargo xtask validate --data FOLDER";
@@ -42,26 +43,6 @@ const SECTIONS: [&str; 6] = [
     "measured records",
 ];
 
-/// Reason why the validation failed.
-#[derive(Debug, thiserror::Error)]
-enum ValidationError {
-    #[error("{failed} of {total} checks failed")]
-    Failed { failed: usize, total: usize },
-    #[error("two claims of {section} are called \"{claim}\"")]
-    Alike {
-        section: &'static str,
-        claim: String,
-    },
-    #[error("{PAGE} is not current in {rows} rows: run `{COMMAND}` and review the difference")]
-    Stale { rows: usize },
-    #[error(
-        "the tests that make the claims ended with {0:?}, so that rows may be missing: the page is not written"
-    )]
-    Tests(Option<i32>),
-    #[error("{}: {reason}", path.display())]
-    Rows { path: PathBuf, reason: String },
-}
-
 /// Claims of one crate, or those of the measured records.
 #[derive(Debug)]
 struct Section {
@@ -71,7 +52,7 @@ struct Section {
 
 /// Returns the folder with the rows of the tests, and the exit status of the tests. If
 /// `RODLAB_CLAIMS` names the rows of completed tests, no test is run and the status is 0.
-fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::error::Error>> {
+fn rows(data: Option<&Path>) -> Outcome<(PathBuf, Option<i32>)> {
     if let Some(folder) = env::var_os(FOLDER) {
         return Ok((folder.into(), Some(0)));
     }
@@ -100,18 +81,12 @@ fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::erro
 }
 
 /// Returns the sections in the order of the page.
-fn sections(folder: &Path) -> Result<Vec<Section>, Box<dyn std::error::Error>> {
+fn sections(folder: &Path) -> Outcome<Vec<Section>> {
     let section = |name: &'static str| {
-        let refuse = |path: &Path, reason: String| ValidationError::Rows {
-            path: path.to_path_buf(),
-            reason,
-        };
-        let inside = folder.join(name);
         let mut report = Claims::default();
-        for path in files(&inside).map_err(|error| refuse(&inside, error.to_string()))? {
-            let text = fs::read_to_string(&path)?;
-            let topic: Claims =
-                serde_json::from_str(&text).map_err(|error| refuse(&path, error.to_string()))?;
+        for path in files(&folder.join(name))? {
+            let topic: Claims = serde_json::from_str(&read(&path)?)
+                .map_err(|error| format!("{}: {error}", path.display()))?;
             report = report.and(topic);
         }
         Ok(Section { name, report })
@@ -136,25 +111,23 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
         .flat_map(|s| &s.report.checks)
         .filter(|check| check.verdict == Verdict::Fail)
         .count();
-    let total = sections.iter().map(|s| s.report.checks.len()).sum();
+    let total: usize = sections.iter().map(|s| s.report.checks.len()).sum();
     // a test that panicked before its claims were asserted leaves no rows; a page written now would
     // lose these rows
     if ended != Some(0) && failed == 0 {
-        return Err(Box::new(ValidationError::Tests(ended)));
+        return Err(format!(
+            "the tests that make the claims ended with {ended:?}, so that rows may be missing: the page is not written"
+        )
+        .into());
     }
     if check {
-        let drifts = drift::between(&committed, &current);
-        for drift in &drifts {
-            println!("{drift}");
-        }
-        if !drifts.is_empty() {
-            return Err(Box::new(ValidationError::Stale { rows: drifts.len() }));
-        }
+        let what = format!("rows of {PAGE} differ: run `{COMMAND}` and review the difference");
+        none_of(&drift::between(&committed, &current), &what)?;
     } else if ended == Some(0) {
         write_whole(&written, &current.with_rows_of(&committed).to_markdown())?;
     }
     if failed > 0 {
-        return Err(Box::new(ValidationError::Failed { failed, total }));
+        return Err(format!("{failed} of {total} checks failed").into());
     }
     Ok(())
 }
@@ -172,7 +145,7 @@ fn committed(path: &Path) -> Result<Page, GeneratedError> {
 }
 
 /// Checks that the descriptions of the claims are unique, because they identify the claims.
-fn all_different(sections: &[Section]) -> Result<(), ValidationError> {
+fn all_different(sections: &[Section]) -> Outcome {
     for section in sections {
         let mut claims: Vec<&str> = section
             .report
@@ -182,10 +155,8 @@ fn all_different(sections: &[Section]) -> Result<(), ValidationError> {
             .collect();
         claims.sort_unstable();
         if let Some(pair) = claims.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(ValidationError::Alike {
-                section: section.name,
-                claim: pair[0].to_owned(),
-            });
+            let name = section.name;
+            return Err(format!("two claims of {name} are called \"{}\"", pair[0]).into());
         }
     }
     Ok(())

@@ -13,59 +13,45 @@
 
 use std::hint::black_box;
 
-use criterion::{
-    BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement,
-};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use num_complex::Complex64;
-use rodwave::chain::{AngularFrequency, WaveMedium};
+use rodwave::chain::{AngularFrequency, ChainBuilder, WaveMedium};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::{Elastic, FractionalZener, PowerLawPropagation, Zener};
 use rodwave::{Chain, Termination};
 
+/// Builds a chain of elements between two sizes, thin at its impact face.
+fn chain(
+    n_elements: usize,
+    add: impl Fn(ChainBuilder, usize, Circle, Circle) -> ChainBuilder,
+) -> Chain {
+    let [thin, thick] = [0.02, 0.03].map(|diameter| Circle::of_diameter(diameter).unwrap());
+    let elements = (0..n_elements).fold(Chain::from_impact_face(), |row, index| {
+        let (near, far) = if index % 2 == 0 {
+            (thin, thick)
+        } else {
+            (thick, thin)
+        };
+        add(row, index, near, far)
+    });
+    elements.end(Termination::Free).unwrap()
+}
+
 fn rods<M>(medium: &M, n_elements: usize) -> Chain
 where
     M: WaveMedium<AngularFrequency> + Clone + 'static,
 {
-    let (thin, thick) = (
-        Circle::of_diameter(0.02).unwrap(),
-        Circle::of_diameter(0.03).unwrap(),
-    );
-    let mut builder = Chain::from_impact_face();
-    for index in 0..n_elements {
-        builder = builder.rod(medium, if index % 2 == 0 { thin } else { thick }, 0.1);
-    }
-    builder.end(Termination::Free).unwrap()
-}
-
-fn cones<M>(medium: &M, n_elements: usize) -> Chain
-where
-    M: WaveMedium<AngularFrequency> + Clone + 'static,
-{
-    let (thin, thick) = (
-        Circle::of_diameter(0.02).unwrap(),
-        Circle::of_diameter(0.03).unwrap(),
-    );
-    let mut builder = Chain::from_impact_face();
-    for index in 0..n_elements {
-        builder = if index % 2 == 0 {
-            builder.cone(medium, thin, thick, 0.1)
-        } else {
-            builder.horn(medium, thick, thin, 0.1)
-        };
-    }
-    builder.end(Termination::Free).unwrap()
+    chain(n_elements, |row, _, near, _| row.rod(medium, near, 0.1))
 }
 
 /// Highest angular frequency \[rad/s\]: at this frequency, kL of an elastic rod is 4.8 rad.
 const TOP: f64 = 245_760.0;
 
-fn measure(
-    group: &mut BenchmarkGroup<'_, measurement::WallTime>,
-    chain: &Chain,
-    n_frequencies: u32,
-) {
+fn measure(criterion: &mut Criterion, group: &str, chain: &Chain, n_frequencies: u32) {
     let n_elements = chain.n_elements();
+    let mut group = criterion.benchmark_group(group);
+    group.sample_size(30);
     group.throughput(Throughput::Elements(
         n_elements as u64 * u64::from(n_frequencies),
     ));
@@ -95,8 +81,6 @@ fn laws(criterion: &mut Criterion) {
     let fractional = FractionalZener::new(1e9, 4e9, 1e-4, 0.3).unwrap();
     let fractional = Medium::new(1150.0, fractional).unwrap();
 
-    let mut group = criterion.benchmark_group("elastic rods");
-    group.sample_size(30);
     for (n_elements, n_frequencies) in [
         (4, 1024),
         (16, 1024),
@@ -105,8 +89,26 @@ fn laws(criterion: &mut Criterion) {
         (16, 256),
         (16, 4096),
     ] {
-        measure(&mut group, &rods(&elastic, n_elements), n_frequencies);
+        let rods = rods(&elastic, n_elements);
+        measure(criterion, "elastic rods", &rods, n_frequencies);
     }
+    let cones = chain(16, |row, index, near, far| {
+        if index % 2 == 0 {
+            row.cone(&elastic, near, far, 0.1)
+        } else {
+            row.horn(&elastic, near, far, 0.1)
+        }
+    });
+    measure(criterion, "elastic cones and horns", &cones, 1024);
+    measure(criterion, "Zener rods", &rods(&zener, 16), 1024);
+    measure(criterion, "rods of paper E, eq. 7", &rods(&power, 16), 1024);
+    for (n_elements, n_frequencies) in [(4, 1024), (16, 1024), (64, 1024), (16, 4096)] {
+        let rods = rods(&fractional, n_elements);
+        measure(criterion, "fractional rods", &rods, n_frequencies);
+    }
+
+    let mut group = criterion.benchmark_group("elastic rods");
+    group.sample_size(30);
     group.throughput(Throughput::Elements(16 * 1024));
     group.bench_function("hyperbolic functions alone", |bencher| {
         bencher.iter(|| {
@@ -116,25 +118,6 @@ fn laws(criterion: &mut Criterion) {
                 .sum::<Complex64>()
         });
     });
-    group.finish();
-    let mut group = criterion.benchmark_group("elastic cones and horns");
-    group.sample_size(30);
-    measure(&mut group, &cones(&elastic, 16), 1024);
-    group.finish();
-    let mut group = criterion.benchmark_group("Zener rods");
-    group.sample_size(30);
-    measure(&mut group, &rods(&zener, 16), 1024);
-    group.finish();
-    let mut group = criterion.benchmark_group("rods of paper E, eq. 7");
-    group.sample_size(30);
-    measure(&mut group, &rods(&power, 16), 1024);
-    group.finish();
-    let mut group = criterion.benchmark_group("fractional rods");
-    group.sample_size(30);
-    for (n_elements, n_frequencies) in [(4, 1024), (16, 1024), (64, 1024), (16, 4096)] {
-        measure(&mut group, &rods(&fractional, n_elements), n_frequencies);
-    }
-    group.finish();
 }
 
 criterion_group!(benches, laws);

@@ -48,7 +48,6 @@ fn march<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: &L) {
             march.free_end_velocity()
         });
     });
-    group.finish();
 }
 
 /// Two arrays of waves. Each step moves one of them by a cell and adds a multiple of their
@@ -74,7 +73,6 @@ fn recurrence(criterion: &mut Criterion) {
             black_box(&along).first().copied()
         });
     });
-    group.finish();
 }
 
 /// Starts with a rod that is in motion everywhere, so that every step advances every node.
@@ -113,7 +111,6 @@ fn linearity<L: InelasticLaw<Flow: Clone>>(criterion: &mut Criterion, name: &str
                 );
             });
         }
-        group.finish();
     }
 }
 
@@ -166,7 +163,6 @@ fn sensitivities<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: &L
         format!("{name}, velocity and derivatives ({derivatives})"),
         |bencher| bencher.iter(|| record.with_derivatives(&problem)),
     );
-    group.finish();
 }
 
 /// Law F = e^{p₁ + p₂ + ...} σ/η at p = 0: a linear law with any number of parameters.
@@ -246,43 +242,39 @@ impl RelaxationFlow for LinearFlow {
 }
 
 fn derivatives_of_a_linear_law(criterion: &mut Criterion) {
-    fn with_derivatives<const PARAMETERS: usize>(criterion: &mut Criterion, record: &Record) {
-        let problem = Record::problem(&Linear::<PARAMETERS>);
-        let mut group = criterion.benchmark_group("derivatives of a linear law");
-        group.sample_size(20);
-        group.bench_function((1 + PARAMETERS).to_string(), |bencher| {
-            bencher.iter(|| record.with_derivatives(&problem));
-        });
-        group.finish();
-    }
     let record = Record::new();
-    let problem = Record::problem(&Linear::<0>);
     let mut group = criterion.benchmark_group("derivatives of a linear law");
     group.sample_size(20);
+    let problem = Record::problem(&Linear::<0>);
     group.bench_function("0", |bencher| bencher.iter(|| record.velocity(&problem)));
-    group.finish();
-    with_derivatives::<0>(criterion, &record);
-    with_derivatives::<1>(criterion, &record);
-    with_derivatives::<2>(criterion, &record);
+    macro_rules! with_derivatives {
+        ($($count:literal: $parameters:literal),*) => {$(
+            let problem = Record::problem(&Linear::<$parameters>);
+            group.bench_function($count, |bencher| {
+                bencher.iter(|| record.with_derivatives(&problem));
+            });
+        )*};
+    }
+    with_derivatives!("1": 0, "2": 1, "3": 2);
+}
+
+fn every<L: InelasticLaw<Flow: Clone>>(criterion: &mut Criterion, name: &str, law: &L) {
+    march(criterion, name, law);
+    linearity(criterion, name, law);
+    sensitivities(criterion, name, law);
 }
 
 fn laws(criterion: &mut Criterion) {
-    let maxwell = Maxwell::new(4e6).unwrap();
-    let norton = MaxwellNorton::new(2.108, 7e13).unwrap();
     let gurevich = MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap();
     recurrence(criterion);
-    march(criterion, "elastic", &Elastic);
-    march(criterion, "Maxwell", &maxwell);
-    march(criterion, "Maxwell-Norton", &norton);
-    march(criterion, "Maxwell-Gurevich-Rabinovich", &gurevich);
-    linearity(criterion, "elastic", &Elastic);
-    linearity(criterion, "Maxwell", &maxwell);
-    linearity(criterion, "Maxwell-Norton", &norton);
-    linearity(criterion, "Maxwell-Gurevich-Rabinovich", &gurevich);
-    sensitivities(criterion, "elastic", &Elastic);
-    sensitivities(criterion, "Maxwell", &maxwell);
-    sensitivities(criterion, "Maxwell-Norton", &norton);
-    sensitivities(criterion, "Maxwell-Gurevich-Rabinovich", &gurevich);
+    every(criterion, "elastic", &Elastic);
+    every(criterion, "Maxwell", &Maxwell::new(4e6).unwrap());
+    every(
+        criterion,
+        "Maxwell-Norton",
+        &MaxwellNorton::new(2.108, 7e13).unwrap(),
+    );
+    every(criterion, "Maxwell-Gurevich-Rabinovich", &gurevich);
     derivatives_of_a_linear_law(criterion);
 }
 

@@ -52,7 +52,6 @@ fn march(criterion: &mut Criterion, name: &str, (line, step): (Line, f64)) {
             march.ends()
         });
     });
-    group.finish();
 }
 
 fn baseline<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: L) {
@@ -70,7 +69,6 @@ fn baseline<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: L) {
             march.free_end_velocity()
         });
     });
-    group.finish();
 }
 
 fn prony(branches: u8) -> Segment {
@@ -133,7 +131,6 @@ fn derivatives(criterion: &mut Criterion) {
             });
         });
     }
-    group.finish();
 }
 
 /// Striker, incident bar, specimen and transmitter bar with equal wave speeds, as elastic programs
@@ -168,7 +165,6 @@ fn split_bars(criterion: &mut Criterion) {
     group.bench_function("values of the diagram into memory", |bencher| {
         bencher.iter(|| (0..values).map(f64::from).collect::<Vec<f64>>());
     });
-    group.finish();
 }
 
 /// Striker, incident bar, a specimen that flows, and transmitter bar, with contacts that open: 6030
@@ -202,7 +198,6 @@ fn tension_bars(criterion: &mut Criterion) {
             march.ends()
         });
     });
-    group.finish();
 }
 
 criterion_group!(benches, lines, derivatives, split_bars, tension_bars);

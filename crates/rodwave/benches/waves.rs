@@ -89,7 +89,6 @@ fn separation(criterion: &mut Criterion) {
             });
         });
     }
-    group.finish();
 }
 
 criterion_group!(benches, separation);

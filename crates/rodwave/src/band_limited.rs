@@ -10,7 +10,7 @@
 use std::sync::OnceLock;
 
 use crate::RodwaveError;
-use crate::error::{check_positive, check_samples};
+use crate::error::{check_positive, check_samples, check_that};
 use crate::interpolation::{Interpolated, cubic};
 
 /// Velocity prescribed as a function of time.
@@ -38,13 +38,12 @@ pub(crate) fn check_times(
 ) -> Result<f64, RodwaveError> {
     let mut last = 0.0_f64;
     for &time in times {
-        if !time.is_finite() || time < 0.0 {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "time of the response [s]",
-                value: time,
-                expected: "a finite value not below 0",
-            });
-        }
+        check_that(
+            time.is_finite() && time >= 0.0,
+            "time of the response [s]",
+            time,
+            "a finite value not below 0",
+        )?;
         last = last.max(time);
     }
     let end = excitation.end();
@@ -181,13 +180,14 @@ impl SampledHistory {
         )?;
         check_positive("sampling interval [s]", sampling_rate_hz.recip())?;
         check_samples("excitation", samples)?;
-        let [.., last] = samples else {
-            return Err(too_few(0));
-        };
         let count = samples.len();
-        if count < 4 {
-            return Err(too_few(count));
-        }
+        let [_, _, _, .., last] = samples else {
+            return Err(RodwaveError::TooFewSamples {
+                history: "excitation",
+                found: count,
+                expected: 4,
+            });
+        };
         // the samples with all neighbours that a fine point needs: zeros before them, their
         // point-symmetric continuation after them
         let (before, after) = (Self::HALF_WIDTH, Self::HALF_WIDTH);
@@ -263,14 +263,6 @@ impl SampledHistory {
             self.fine[index + 1],
             self.fine[index + 2],
         ]
-    }
-}
-
-fn too_few(found: usize) -> RodwaveError {
-    RodwaveError::TooFewSamples {
-        history: "excitation",
-        found,
-        expected: 4,
     }
 }
 

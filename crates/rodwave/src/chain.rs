@@ -63,6 +63,8 @@ mod face;
 mod section;
 mod termination;
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 
 pub use argument::{AngularFrequency, Argument, LaplaceVariable, WaveMedium};
@@ -248,7 +250,7 @@ impl<V: Argument> Chain<V> {
             let matrix = element
                 .transition(argument)
                 .and_then(|scaled| TransitionMatrix::from_scaled(&scaled))
-                .map_err(|source| in_element(index, source))?;
+                .map_err(|error| error.in_element(index))?;
             product = matrix * product;
         }
         product.checked()
@@ -272,7 +274,7 @@ impl<V: Argument> Chain<V> {
     fn faces(&self, argument: V) -> Result<FaceMobilities, RodwaveError> {
         let mut end = self.termination.face(argument)?;
         end.restart();
-        let near = self.carried_to_impact_face(end, argument)?;
+        let near = self.carried(end, 0..self.elements.len(), argument)?;
         Ok(FaceMobilities {
             near: near.mobility()?,
             transfer: end.over_force_of(&near)?.velocity,
@@ -281,16 +283,21 @@ impl<V: Argument> Chain<V> {
     }
 
     fn impact_face(&self, argument: V) -> Result<Face, RodwaveError> {
-        self.carried_to_impact_face(self.termination.face(argument)?, argument)
+        let end = self.termination.face(argument)?;
+        self.carried(end, 0..self.elements.len(), argument)
     }
 
-    fn carried_to_impact_face(&self, end: Face, argument: V) -> Result<Face, RodwaveError> {
-        let mut face = end;
-        for (index, element) in self.elements.iter().enumerate().rev() {
-            let transition = element
-                .transition(argument)
-                .map_err(|source| in_element(index, source))?;
-            face.pass(&transition);
+    /// Carries the pair through the elements of the `range`, towards the impact face.
+    fn carried(
+        &self,
+        mut face: Face,
+        range: Range<usize>,
+        argument: V,
+    ) -> Result<Face, RodwaveError> {
+        let elements = self.elements.iter().enumerate();
+        for (index, element) in elements.take(range.end).skip(range.start).rev() {
+            let transition = element.transition(argument);
+            face.pass(&transition.map_err(|error| error.in_element(index))?);
         }
         Ok(face)
     }
@@ -301,7 +308,7 @@ impl<V: Argument> Chain<V> {
         for (index, element) in self.elements.iter().enumerate() {
             let transition = element
                 .transition(argument)
-                .map_err(|source| in_element(index, source))?;
+                .map_err(|error| error.in_element(index))?;
             face.pass(&transition.turned());
         }
         let end = self.termination.face(argument)?;
@@ -310,13 +317,5 @@ impl<V: Argument> Chain<V> {
             face.force * end.velocity + end.force * face.velocity,
             face.velocity * end.velocity,
         ))
-    }
-}
-
-/// Adds the position of the element to an error.
-fn in_element(index: usize, source: RodwaveError) -> RodwaveError {
-    RodwaveError::InElement {
-        index,
-        source: Box::new(source),
     }
 }

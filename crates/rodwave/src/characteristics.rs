@@ -28,7 +28,7 @@ mod time_levels;
 pub use branched::{BranchedProblem, Direction, LinearBranch};
 
 use crate::band_limited::VelocityHistory;
-use crate::error::{RodwaveError, check_cells, check_positive, check_samples};
+use crate::error::{RodwaveError, check_cells, check_positive, check_samples, check_that};
 use crate::inelastic::{
     InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, check_parameters, lanes,
 };
@@ -92,13 +92,12 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// [spring](InelasticRod::with_spring).
     pub fn new(rod: InelasticRod<L>, cells: usize) -> Result<Self, RodwaveError> {
         check_cells(cells, FEWEST_CELLS, "from 8 to 2^27")?;
-        if rod.spring() > 0.0 {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "share of a spring in the modulus",
-                value: rod.spring(),
-                expected: "0: this solver has one branch; use `BranchedProblem` for several",
-            });
-        }
+        check_that(
+            rod.spring() <= 0.0,
+            "share of a spring in the modulus",
+            rod.spring(),
+            "0: this solver has one branch; use `BranchedProblem` for several",
+        )?;
         let problem = Self { rod, cells };
         check_positive("time step [s]", problem.time_step())?;
         Ok(problem)

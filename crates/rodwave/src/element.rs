@@ -43,7 +43,7 @@ pub(crate) use lumped::Lumped;
 pub(crate) use scaled::ScaledTransition;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive, check_propagation};
+use crate::error::{check_finite, check_positive, check_propagation, check_that};
 
 /// Cross-section of any shape, given by its area.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -330,15 +330,9 @@ impl Segment {
 
     /// Checks that a distance from the near end is on the segment.
     pub(crate) fn check_distance(&self, distance: f64) -> Result<f64, RodwaveError> {
-        if (0.0..=self.length).contains(&distance) {
-            Ok(distance)
-        } else {
-            Err(RodwaveError::NonPhysical {
-                quantity: "distance of the section [m]",
-                value: distance,
-                expected: "between 0 and the length of the element",
-            })
-        }
+        let holds = (0.0..=self.length).contains(&distance);
+        let expected = "between 0 and the length of the element";
+        check_that(holds, "distance of the section [m]", distance, expected)
     }
 }
 

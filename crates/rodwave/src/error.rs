@@ -108,43 +108,48 @@ pub enum RodwaveError {
     },
 }
 
-/// Checks that a value is finite and above zero, and returns it.
-pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
-    if value.is_finite() && value > 0.0 {
+impl RodwaveError {
+    /// Adds the position of the element to an error.
+    pub(crate) fn in_element(self, index: usize) -> Self {
+        let source = Box::new(self);
+        Self::InElement { index, source }
+    }
+}
+
+/// Returns `value` if the condition `holds`, otherwise the error that it is not `expected`.
+#[inline]
+pub(crate) fn check_that(
+    holds: bool,
+    quantity: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<f64, RodwaveError> {
+    if holds {
         Ok(value)
     } else {
         Err(RodwaveError::NonPhysical {
             quantity,
             value,
-            expected: "a finite value above 0",
+            expected,
         })
     }
+}
+
+/// Checks that a value is finite and above zero, and returns it.
+pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
+    let holds = value.is_finite() && value > 0.0;
+    check_that(holds, quantity, value, "a finite value above 0")
 }
 
 /// Checks that a value is finite and not below zero, and returns it.
 pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value, 0 or above",
-        })
-    }
+    let holds = value.is_finite() && value >= 0.0;
+    check_that(holds, quantity, value, "a finite value, 0 or above")
 }
 
 /// Checks that a value is finite, and returns it.
 pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity,
-            value,
-            expected: "a finite value",
-        })
-    }
+    check_that(value.is_finite(), quantity, value, "a finite value")
 }
 
 /// Checks that all values are finite.
@@ -166,15 +171,9 @@ pub(crate) fn check_cells(
     fewest: usize,
     expected: &'static str,
 ) -> Result<usize, RodwaveError> {
-    if (fewest..=MOST_CELLS).contains(&cells) {
-        Ok(cells)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity: "number of cells",
-            value: cells as f64,
-            expected,
-        })
-    }
+    let holds = (fewest..=MOST_CELLS).contains(&cells);
+    check_that(holds, "number of cells", cells as f64, expected)?;
+    Ok(cells)
 }
 
 /// Rounds a number of time steps down to an integer, after a check that it is at most 1e9, which
@@ -185,15 +184,8 @@ pub(crate) fn check_cells(
     reason = "checked to be between 0 and 1e9"
 )]
 pub(crate) fn check_steps(steps: f64) -> Result<usize, RodwaveError> {
-    if (0.0..=1e9).contains(&steps) {
-        Ok(steps as usize)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity: "number of time steps",
-            value: steps,
-            expected: "at most 1e9",
-        })
-    }
+    let holds = (0.0..=1e9).contains(&steps);
+    Ok(check_that(holds, "number of time steps", steps, "at most 1e9")? as usize)
 }
 
 /// Checks that an array has the expected length.
@@ -212,6 +204,19 @@ pub(crate) fn check_length(
             expected,
         })
     }
+}
+
+/// Converts parameters to an array of the length that a law requires.
+pub(crate) fn check_array<const N: usize>(
+    what: &'static str,
+    parameters: &[f64],
+) -> Result<[f64; N], RodwaveError> {
+    let array = parameters.try_into();
+    array.map_err(|_| RodwaveError::LengthMismatch {
+        what,
+        found: parameters.len(),
+        expected: N,
+    })
 }
 
 /// Checks that a history has at least the expected number of samples.

@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{RodwaveError, check_finite, check_positive, check_steps};
+use crate::error::{RodwaveError, check_finite, check_positive, check_steps, check_that};
 use crate::inelastic::{Elastic, InelasticLaw};
 use crate::lumped::{DEFAULT_COURANT_NUMBER, LumpedRod};
 use crate::rod::InelasticRod;
@@ -189,13 +189,12 @@ impl<L: InelasticLaw> ImpactTest<L> {
         let energy_after = energy(&striker, &struck);
         let growth = energy_after / energy_before;
         // an overflow anywhere in a body soon shows in its energy
-        if growth.is_nan() || growth > MOST_GROWTH {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "energy after the impact over the energy before it",
-                value: growth,
-                expected: "at most 1; use shorter cells for a material that relaxes within a time step",
-            });
-        }
+        check_that(
+            growth <= MOST_GROWTH,
+            "energy after the impact over the energy before it",
+            growth,
+            "at most 1; use shorter cells for a material that relaxes within a time step",
+        )?;
         let momentum_residual = check_finite(
             "relative change of momentum",
             momentum / momentum_before - 1.0,
@@ -220,13 +219,12 @@ impl<L: InelasticLaw> ImpactTest<L> {
         check_positive("striker velocity [m/s]", self.striker.velocity)?;
         check_positive("rod diameter [m]", self.diameter)?;
         check_finite("section distance [m]", self.section_distance)?;
-        if self.section_distance <= 0.0 || self.section_distance > self.rod.length() {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "distance of the section from the free end [m]",
-                value: self.section_distance,
-                expected: "above 0 and at most the length of the rod",
-            });
-        }
+        check_that(
+            self.section_distance > 0.0 && self.section_distance <= self.rod.length(),
+            "distance of the section from the free end [m]",
+            self.section_distance,
+            "above 0 and at most the length of the rod",
+        )?;
         InelasticRod::new(
             self.striker.length,
             self.striker.density,

@@ -186,17 +186,6 @@ pub struct StressChange {
     pub by_parameter: [[f64; LANES]; MAX_PARAMETERS],
 }
 
-/// Checks that the array has `N` entries, one per parameter of the law.
-fn check_count<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveError> {
-    parameters
-        .try_into()
-        .map_err(|_| RodwaveError::LengthMismatch {
-            what: "parameter array",
-            found: parameters.len(),
-            expected: N,
-        })
-}
-
 /// Checks that a law has no more than [`MAX_PARAMETERS`] parameters.
 pub(crate) fn check_parameters<L: InelasticLaw>() -> Result<(), RodwaveError> {
     if L::PARAMETERS.len() <= MAX_PARAMETERS {

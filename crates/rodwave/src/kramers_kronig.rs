@@ -94,6 +94,7 @@ use num_complex::Complex64;
 use crate::RodwaveError;
 use crate::error::{
     check_enough_samples, check_finite, check_length, check_not_negative, check_positive,
+    check_that,
 };
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::MaxwellBranch;
@@ -512,13 +513,8 @@ fn check(omega: &[f64], modulus: &[Complex64]) -> Result<Band, RodwaveError> {
         SLOWEST / band.lowest,
     )?;
     let width = band.highest / band.lowest;
-    if width > WIDEST {
-        return Err(RodwaveError::NonPhysical {
-            quantity: "ratio of the highest to the lowest frequency",
-            value: width,
-            expected: "at most 1e50",
-        });
-    }
+    let quantity = "ratio of the highest to the lowest frequency";
+    check_that(width <= WIDEST, quantity, width, "at most 1e50")?;
     Ok(band)
 }
 

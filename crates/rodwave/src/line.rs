@@ -81,7 +81,7 @@ pub use segment::Segment;
 pub use tangent::{LN_MODULUS, Parameter};
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_not_negative, check_positive};
+use crate::error::{check_finite, check_length, check_not_negative, check_positive};
 
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::line";
@@ -101,18 +101,9 @@ impl Body {
     /// segment without a branch.
     pub fn new(segments: impl IntoIterator<Item = Segment>) -> Result<Self, RodwaveError> {
         let segments: Vec<Segment> = segments.into_iter().collect();
-        if segments.is_empty() {
-            return Err(RodwaveError::LengthMismatch {
-                what: "list of segments of a body",
-                found: 0,
-                expected: 1,
-            });
-        }
+        check_length("list of segments of a body", segments.len().min(1), 1)?;
         for (index, segment) in segments.iter().enumerate() {
-            segment.check().map_err(|source| RodwaveError::InElement {
-                index,
-                source: Box::new(source),
-            })?;
+            segment.check().map_err(|error| error.in_element(index))?;
         }
         Ok(Self {
             segments,
@@ -167,13 +158,7 @@ impl Line {
     /// [`RodwaveError::LengthMismatch`] if there is no body.
     pub fn new(bodies: impl IntoIterator<Item = Body>) -> Result<Self, RodwaveError> {
         let bodies: Vec<Body> = bodies.into_iter().collect();
-        if bodies.is_empty() {
-            return Err(RodwaveError::LengthMismatch {
-                what: "list of bodies of a line",
-                found: 0,
-                expected: 1,
-            });
-        }
+        check_length("list of bodies of a line", bodies.len().min(1), 1)?;
         Ok(Self {
             gaps: vec![0.0; bodies.len() - 1],
             bodies,

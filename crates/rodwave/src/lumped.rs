@@ -11,7 +11,9 @@
 //! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
 use crate::band_limited::{VelocityHistory, check_times};
-use crate::error::{RodwaveError, check_cells, check_positive, check_samples, check_steps};
+use crate::error::{
+    RodwaveError, check_cells, check_positive, check_samples, check_steps, check_that,
+};
 use crate::inelastic::InelasticLaw;
 use crate::interpolation::{cubic, cubic_at};
 use crate::rod::InelasticRod;
@@ -73,13 +75,12 @@ impl<L: InelasticLaw> LumpedRod<L> {
         courant_number: f64,
     ) -> Result<Self, RodwaveError> {
         check_cells(cells, 4, "from 4 to 2^27")?;
-        if !(courant_number > 0.0 && courant_number <= 0.95) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "Courant number",
-                value: courant_number,
-                expected: "above 0 and at most 0.95",
-            });
-        }
+        check_that(
+            courant_number > 0.0 && courant_number <= 0.95,
+            "Courant number",
+            courant_number,
+            "above 0 and at most 0.95",
+        )?;
         let dx = check_positive("cell length [m]", rod.length() / cells as f64)?;
         let dt = check_positive("time step [s]", courant_number * dx / rod.wave_speed())?;
         check_positive("mass of a cell over its area [kg/m^2]", rod.density() * dx)?;

@@ -78,7 +78,7 @@ pub use crate::medium::power_law_propagation::PowerLawPropagation;
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_laplace_variable};
+use crate::error::{check_finite, check_laplace_variable, check_that};
 
 /// A complex modulus E(ω).
 ///
@@ -155,26 +155,20 @@ pub(crate) fn fourth_order_difference(
 
 /// Checks that an exponent is above 0 and at most 1.
 fn check_exponent(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
-    if value > 0.0 && value <= 1.0 {
-        Ok(value)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity,
-            value,
-            expected: "above 0 and at most 1",
-        })
-    }
+    check_that(
+        value > 0.0 && value <= 1.0,
+        quantity,
+        value,
+        "above 0 and at most 1",
+    )
 }
 
 /// Checks that an exponent is above 0 and below 1.
 fn check_fraction(quantity: &'static str, value: f64) -> Result<f64, RodwaveError> {
-    if value > 0.0 && value < 1.0 {
-        Ok(value)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity,
-            value,
-            expected: "above 0 and below 1",
-        })
-    }
+    check_that(
+        value > 0.0 && value < 1.0,
+        quantity,
+        value,
+        "above 0 and below 1",
+    )
 }

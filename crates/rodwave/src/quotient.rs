@@ -31,6 +31,12 @@ fn scaled(a: Complex64, b: Complex64) -> Complex64 {
     }
 }
 
+/// Returns x ln y for an x that tends to 0 faster than ln y diverges: 0 also if x has underflowed to
+/// 0.
+pub(crate) fn times_ln(x: Complex64, y: Complex64) -> Complex64 {
+    if x == Complex64::ZERO { x } else { x * y.ln() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! A uniform rod of an inelastic material.
 
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_positive, check_that};
 use crate::inelastic::InelasticLaw;
 
 /// Straight uniform rod that obeys the equations of paper D (Ödeen 1993, paper D, eqs. 1, 2, 7).
@@ -55,13 +55,12 @@ impl<L: InelasticLaw> InelasticRod<L> {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the share is between 0 and 1.
     pub fn with_spring(self, share: f64) -> Result<Self, RodwaveError> {
-        if !(share > 0.0 && share < 1.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "share of a spring in the modulus",
-                value: share,
-                expected: "between 0 and 1",
-            });
-        }
+        check_that(
+            share > 0.0 && share < 1.0,
+            "share of a spring in the modulus",
+            share,
+            "between 0 and 1",
+        )?;
         Ok(Self {
             spring: share,
             ..self

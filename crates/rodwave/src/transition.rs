@@ -52,7 +52,7 @@ use num_complex::Complex64;
 
 use crate::RodwaveError;
 use crate::element::{Lumped, ScaledTransition, Segment, check_static_impedance};
-use crate::error::{check_finite, check_laplace_variable, check_positive};
+use crate::error::{check_finite, check_laplace_variable, check_positive, check_that};
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::LaplaceModulus;
 use crate::quotient::quotient;
@@ -109,13 +109,12 @@ impl TransitionMatrix {
         let length = check_positive("length [m]", length)?;
         let gamma_length = propagation_coefficient * length;
         check_finite("phase over the rod kL [rad]", gamma_length.im)?;
-        if gamma_length.re.is_nan() || gamma_length.re.abs() > LARGEST_DAMPING {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "damping over the rod alpha L",
-                value: gamma_length.re,
-                expected: "at most 700, otherwise the matrix overflows",
-            });
-        }
+        check_that(
+            gamma_length.re.abs() <= LARGEST_DAMPING,
+            "damping over the rod alpha L",
+            gamma_length.re,
+            "at most 700, otherwise the matrix overflows",
+        )?;
         check_positive(
             "magnitude of the characteristic impedance [kg/s]",
             characteristic_impedance.norm(),

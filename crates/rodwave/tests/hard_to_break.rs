@@ -9,6 +9,8 @@ mod hostile_laws;
 mod properties_chains;
 mod properties_marches;
 
+use proptest::test_runner::{Config, RngSeed};
+
 type Findings = hostile::Findings<rodwave::RodwaveError>;
 
 /// Numbers that a function returns for its arguments.
@@ -16,4 +18,13 @@ type Numbers = Result<Vec<f64>, rodwave::RodwaveError>;
 
 fn parts(values: impl IntoIterator<Item = num_complex::Complex64>) -> Vec<f64> {
     values.into_iter().flat_map(|z| [z.re, z.im]).collect()
+}
+
+fn cases(cases: u32, seed: u64) -> Config {
+    Config {
+        cases,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..Config::default()
+    }
 }

@@ -6,17 +6,10 @@ use rodwave::lumped::LumpedRod;
 use rodwave::{DirectProblem, InelasticRod};
 use testbed::difference::largest_difference;
 
-use crate::bodies::Gaussian;
+use crate::bodies::PULSE;
 
 const CHAIN: &str = include_str!("../../../fixtures/reference/solve_ivp/chain.csv");
 const CONTINUUM: &str = include_str!("../../../fixtures/reference/solve_ivp/continuum.csv");
-
-/// Pulse of the script that computed the reference.
-const PULSE: Gaussian = Gaussian {
-    peak: 8.0,
-    centre: 300e-6,
-    width: 60e-6,
-};
 
 struct Reference {
     times: Vec<f64>,

@@ -1,13 +1,18 @@
 //! Runs the benchmarks of the crates, and reads the files that criterion writes.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::Stdio;
 
-use serde_json::Value;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use crate::Outcome;
+use crate::cargo::{cargo, run as run_command};
+use crate::files::{at, read};
+use testbed::papers::files;
 
 use super::Pace;
-use super::error::BenchError;
 use super::measured::{Benchmark, four_digits};
 
 /// Benchmark program `crates/CRATE/benches/NAME.rs`.
@@ -25,14 +30,14 @@ impl BenchProgram {
 }
 
 /// Returns all benchmark programs, in the order of their names.
-pub(super) fn programs(root: &Path) -> Result<Vec<BenchProgram>, BenchError> {
+pub(super) fn programs(root: &Path) -> Outcome<Vec<BenchProgram>> {
     let mut programs = Vec::new();
-    for folder in entries(&root.join("crates"))? {
+    for folder in files(&root.join("crates"))? {
         let benches = folder.join("benches");
         if !benches.is_dir() {
             continue;
         }
-        for file in entries(&benches)? {
+        for file in files(&benches)? {
             if file.extension().is_some_and(|extension| extension == "rs") {
                 programs.push(BenchProgram {
                     folder: stem(&folder),
@@ -52,60 +57,35 @@ pub(super) fn run(
     program: &BenchProgram,
     pace: Pace,
     home: &Path,
-) -> Result<Vec<Benchmark>, BenchError> {
+) -> Outcome<Vec<Benchmark>> {
     let home = home.join(&program.folder).join(&program.name);
     if home.exists() {
-        fs::remove_dir_all(&home).map_err(BenchError::at(&home))?;
+        fs::remove_dir_all(&home).map_err(at(&home))?;
     }
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut command = cargo();
     command
         .args(["bench", "--quiet", "--locked", "--workspace", "--bench"])
         .arg(&program.name)
         .args(["--", "--noplot", "--quiet", "--nresamples", "10000"])
-        .args(["--warm-up-time", pace.warm_up_seconds()])
-        .args(["--measurement-time", pace.measurement_seconds()])
-        .args(["--sample-size", pace.samples()])
+        .args(["--warm-up-time", pace.choose("0.3", "0.1")])
+        .args(["--measurement-time", pace.choose("0.7", "0.2")])
+        .args(["--sample-size", pace.choose("20", "10")])
         .current_dir(root)
         .env("CRITERION_HOME", &home)
         .stdin(Stdio::null());
-    let shown = format!("cargo bench --workspace --bench {}", program.name);
-    let output = command.output().map_err(|source| BenchError::Command {
-        command: shown.clone(),
-        reason: source.to_string(),
-    })?;
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        let error = said
-            .lines()
-            .find(|line| line.contains("error") || line.contains("panicked"));
-        let reason = match error {
-            Some(line) => format!("{}, expected 0: {line}", output.status),
-            None => format!("{}, expected 0", output.status),
-        };
-        return Err(BenchError::Command {
-            command: shown,
-            reason,
-        });
-    }
+    run_command(&mut command)?;
     let mut found = Vec::new();
     collect(&home, program, &mut found)?;
     if found.is_empty() {
-        return Err(BenchError::Command {
-            command: shown,
-            reason: format!("no estimates below {}", home.display()),
-        });
+        return Err(format!("{}: no estimates below {}", program.name, home.display()).into());
     }
     found.sort_by(|a, b| a.id.cmp(&b.id));
     Ok(found)
 }
 
 /// Collects the estimates in every folder `new` below `folder`.
-fn collect(
-    folder: &Path,
-    program: &BenchProgram,
-    found: &mut Vec<Benchmark>,
-) -> Result<(), BenchError> {
-    for entry in entries(folder)? {
+fn collect(folder: &Path, program: &BenchProgram, found: &mut Vec<Benchmark>) -> Outcome {
+    for entry in files(folder)? {
         if !entry.is_dir() {
             continue;
         }
@@ -118,65 +98,60 @@ fn collect(
     Ok(())
 }
 
-fn benchmark(folder: &Path, program: &BenchProgram) -> Result<Benchmark, BenchError> {
-    let (name, estimates) = (folder.join("benchmark.json"), folder.join("estimates.json"));
-    let (description, values) = (json(&name)?, json(&estimates)?);
-    let missing = |path: &Path, key: &str| BenchError::Json {
-        path: path.to_path_buf(),
-        reason: format!("no `{key}`, which this version of criterion should write"),
-    };
-    let id = description["full_id"]
-        .as_str()
-        .ok_or_else(|| missing(&name, "full_id"))?;
-    let estimate = |key: &str| {
-        values[key]["point_estimate"]
-            .as_f64()
-            .filter(|nanoseconds| nanoseconds.is_finite())
-            .map(|nanoseconds| four_digits(nanoseconds * 1e-9))
-            .ok_or_else(|| missing(&estimates, key))
-    };
-    let sample = folder.join("sample.json");
-    let shortest = shortest(&json(&sample)?).ok_or_else(|| missing(&sample, "iters and times"))?;
-    let throughput = &description["throughput"];
+/// Fields of `benchmark.json` that are read.
+#[derive(Deserialize)]
+struct Description {
+    full_id: String,
+    throughput: Option<Throughput>,
+}
+
+#[derive(Deserialize)]
+enum Throughput {
+    #[serde(alias = "Bytes")]
+    Elements(u64),
+}
+
+/// Fields of `estimates.json` that are read \[ns\].
+#[derive(Deserialize)]
+struct Estimates {
+    median: Estimate,
+    median_abs_dev: Estimate,
+}
+
+#[derive(Deserialize)]
+struct Estimate {
+    point_estimate: f64,
+}
+
+/// Fields of `sample.json` that are read: the iterations and the time \[ns\] of each sample.
+#[derive(Deserialize)]
+struct Sample {
+    iters: Vec<f64>,
+    times: Vec<f64>,
+}
+
+fn benchmark(folder: &Path, program: &BenchProgram) -> Outcome<Benchmark> {
+    let description: Description = json(&folder.join("benchmark.json"))?;
+    let estimates: Estimates = json(&folder.join("estimates.json"))?;
+    let sample: Sample = json(&folder.join("sample.json"))?;
+    let times = sample.iters.iter().zip(&sample.times);
+    let shortest = times.map(|(iterations, time)| time / iterations);
+    let shortest = shortest.min_by(f64::total_cmp).ok_or("no samples")?;
     Ok(Benchmark {
         program: program.path(),
-        id: id.to_owned(),
-        median: estimate("median")?,
+        id: description.full_id,
+        median: four_digits(estimates.median.point_estimate * 1e-9),
         least: four_digits(shortest * 1e-9),
-        deviation: estimate("median_abs_dev")?,
-        elements: throughput["Elements"]
-            .as_u64()
-            .or_else(|| throughput["Bytes"].as_u64()),
+        deviation: four_digits(estimates.median_abs_dev.point_estimate * 1e-9),
+        elements: description
+            .throughput
+            .map(|Throughput::Elements(count)| count),
     })
 }
 
-/// Returns the shortest mean time per iteration among the samples \[ns\].
-fn shortest(sample: &Value) -> Option<f64> {
-    let (iterations, times) = (sample["iters"].as_array()?, sample["times"].as_array()?);
-    iterations
-        .iter()
-        .zip(times)
-        .filter_map(|(iterations, time)| Some(time.as_f64()? / iterations.as_f64()?))
-        .min_by(f64::total_cmp)
-}
-
-fn json(path: &Path) -> Result<Value, BenchError> {
-    let text = fs::read_to_string(path).map_err(BenchError::at(path))?;
-    serde_json::from_str(&text).map_err(|error| BenchError::Json {
-        path: path.to_path_buf(),
-        reason: error.to_string(),
-    })
-}
-
-/// Returns the entries of a folder, in the order of their names.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, BenchError> {
-    let fail = BenchError::at(folder);
-    let mut paths = Vec::new();
-    for entry in fs::read_dir(folder).map_err(fail)? {
-        paths.push(entry.map_err(fail)?.path());
-    }
-    paths.sort();
-    Ok(paths)
+fn json<T: DeserializeOwned>(path: &Path) -> Outcome<T> {
+    Ok(serde_json::from_str(&read(path)?)
+        .map_err(|error| format!("{}: {error}", path.display()))?)
 }
 
 fn stem(path: &Path) -> String {

@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::error::BenchError;
 use super::kernel::KERNELS;
 use super::machine;
 use super::measured::{Instructions, KernelCount};
+use crate::Outcome;
+use crate::cargo::run;
+use crate::files::at;
 
 /// Relative increase that is tolerated: other versions of the mathematical library and other
 /// inlining by the compiler change counts by less.
@@ -84,8 +86,8 @@ fn machine_of(counter: &str) -> &str {
 }
 
 /// Counts the instructions of all kernels; callgrind writes its files to `folder`.
-pub(super) fn count(folder: &Path) -> Result<Instructions, BenchError> {
-    let counted_by = counter().ok_or(BenchError::NoValgrind)?;
+pub(super) fn count(folder: &Path) -> Outcome<Instructions> {
+    let counted_by = counter().ok_or("valgrind is not installed: no instructions were counted")?;
     let mut kernels = Vec::new();
     for kernel in &KERNELS {
         eprintln!("  {}", kernel.name);
@@ -108,38 +110,26 @@ pub(super) fn count(folder: &Path) -> Result<Instructions, BenchError> {
     })
 }
 
-fn count_once(name: &str, folder: &Path) -> Result<u64, BenchError> {
-    let shown = format!("valgrind --tool=callgrind xtask bench-kernel {name}");
-    let fail = |reason: String| BenchError::Command {
-        command: shown.clone(),
-        reason,
-    };
-    let program = std::env::current_exe().map_err(|error| fail(error.to_string()))?;
-    std::fs::create_dir_all(folder).map_err(|error| fail(error.to_string()))?;
+fn count_once(name: &str, folder: &Path) -> Outcome<u64> {
+    std::fs::create_dir_all(folder).map_err(at(folder))?;
     let file = folder.join(format!("callgrind.{name}"));
-    let output = Command::new("valgrind")
+    let said = run(Command::new("valgrind")
         .args([
             "--tool=callgrind",
             "--toggle-collect=*collected_by_callgrind*",
         ])
         .arg(format!("--callgrind-out-file={}", file.display()))
-        .arg(program)
+        .arg(std::env::current_exe()?)
         .args(["bench-kernel", name])
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| fail(error.to_string()))?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    if !output.status.success() {
-        let last = said.trim().lines().last().unwrap_or_default();
-        return Err(fail(format!("{}, expected 0: {last}", output.status)));
+        .stdin(Stdio::null()))?;
+    match collected(&said.remarks) {
+        Some(0) => Err(format!(
+            "{name}: nothing was collected: the function that callgrind looks for was not entered"
+        )
+        .into()),
+        Some(count) => Ok(count),
+        None => Err(format!("{name}: callgrind printed no line `Collected : N`").into()),
     }
-    let count = collected(&said).ok_or_else(|| fail("no line `Collected : N`".into()))?;
-    if count == 0 {
-        return Err(fail(
-            "nothing was collected: the function that callgrind looks for was not entered".into(),
-        ));
-    }
-    Ok(count)
 }
 
 /// Returns the count that callgrind prints at its end.
@@ -150,10 +140,7 @@ fn collected(said: &str) -> Option<u64> {
 
 /// Fails if the count of a kernel exceeds its reference by more than the tolerance. Returns a line
 /// of text for each other kernel whose count differs from its reference.
-pub(super) fn compare(
-    reference: &Instructions,
-    found: &Instructions,
-) -> Result<Vec<String>, BenchError> {
+pub(super) fn compare(reference: &Instructions, found: &Instructions) -> Outcome<Vec<String>> {
     let (mut moved, mut risen) = (Vec::new(), Vec::new());
     for kernel in &found.kernels {
         let before = reference.kernels.iter().find(|k| k.name == kernel.name);
@@ -178,10 +165,13 @@ pub(super) fn compare(
     if risen.is_empty() {
         Ok(moved)
     } else {
-        Err(BenchError::MoreInstructions {
-            limit: 100.0 * TOLERANCE,
-            kernels: risen,
-        })
+        Err(format!(
+            "the instruction counts of {} kernels rose by more than {:.0} %: {}",
+            risen.len(),
+            100.0 * TOLERANCE,
+            risen.join("; ")
+        )
+        .into())
     }
 }
 

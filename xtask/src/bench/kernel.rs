@@ -13,8 +13,6 @@ mod rod;
 
 use crate::Outcome;
 
-use super::error::BenchError;
-
 /// Kernel with its data, ready to run.
 type Prepared = Box<dyn FnMut() -> Outcome>;
 
@@ -27,7 +25,7 @@ pub(super) struct Kernel {
     pub(super) of: &'static str,
     /// Number of these items.
     pub(super) count: u32,
-    prepare: fn() -> Result<Prepared, Box<dyn std::error::Error>>,
+    prepare: fn() -> Outcome<Prepared>,
 }
 
 /// Kernels, in the order of the page.
@@ -46,10 +44,8 @@ pub(super) const KERNELS: [Kernel; 9] = [
 /// Prepares the kernel `name` and calls it twice; callgrind counts the second call.
 pub(crate) fn run(name: &str) -> Outcome {
     let Some(kernel) = KERNELS.iter().find(|kernel| kernel.name == name) else {
-        return Err(Box::new(BenchError::NoKernel {
-            name: name.to_owned(),
-            expected: KERNELS.map(|kernel| kernel.name).join(", "),
-        }));
+        let expected = KERNELS.map(|kernel| kernel.name).join(", ");
+        return Err(format!("there is no kernel `{name}`, expected one of {expected}").into());
     };
     let mut prepared = (kernel.prepare)()?;
     // the plans and allocations of the first call are not counted

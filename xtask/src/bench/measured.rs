@@ -1,13 +1,13 @@
 //! docs/performance-measured.ron: the numbers of one run, from which the page is made.
 
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use testbed::generated::write_whole;
 
-use super::error::BenchError;
+use crate::Outcome;
+use crate::files::read;
 use testbed::ron_text::parse_ron;
 
 /// Contents of the file.
@@ -103,12 +103,11 @@ pub(super) struct KernelCount {
 }
 
 impl Measured {
-    pub(super) fn read(path: &Path) -> Result<Self, BenchError> {
-        let text = fs::read_to_string(path).map_err(BenchError::at(path))?;
-        Ok(parse_ron(path, &text)?)
+    pub(super) fn read(path: &Path) -> Outcome<Self> {
+        Ok(parse_ron(path, &read(path)?)?)
     }
 
-    pub(super) fn write(&self, path: &Path) -> crate::Outcome {
+    pub(super) fn write(&self, path: &Path) -> Outcome {
         let pretty = ron::ser::PrettyConfig::new()
             .depth_limit(2)
             .struct_names(false);

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use crate::reproduce::number::significant;
-use crate::reproduce::table::Table;
+use crate::Outcome;
+use crate::reproduce::{Table, table_of};
+use rodwave::digits::significant;
 
-use super::error::BenchError;
 use super::kernel::KERNELS;
 use super::measured::{Benchmark, Measured};
 use super::result::{GrowthResult, RowResult, growth, results};
@@ -14,7 +14,7 @@ use super::target::{Baseline, Growth, Quantity, Row, Target, Targets, Unit};
 use super::{COMMAND, MEASURED, TARGETS};
 
 /// Returns the page.
-pub(super) fn markdown(targets: &Targets, measured: &Measured) -> Result<String, BenchError> {
+pub(super) fn markdown(targets: &Targets, measured: &Measured) -> Outcome<String> {
     let results = results(targets, measured)?;
     let mut page = head(measured);
     page.push_str(&tally(targets, &results));
@@ -68,29 +68,23 @@ fn head(measured: &Measured) -> String {
 /// Counts the targets that are met, and lists the others.
 fn tally(targets: &Targets, results: &[Vec<RowResult>]) -> String {
     let mut table = Table::new(&["", "targets", "met", "missed"]);
-    let mut total = (0, 0);
+    let mut row = |title: &str, [all, met]: [usize; 2]| {
+        let counts = [all, met, all - met].map(|count| count.to_string());
+        table.row(std::iter::once(title.to_owned()).chain(counts));
+    };
+    let mut total = [0, 0];
     let mut missed = String::new();
     for (section, results) in targets.sections.iter().zip(results) {
         let met = results.iter().filter(|result| result.is_met()).count();
-        total = (total.0 + results.len(), total.1 + met);
-        table.row([
-            section.title.clone(),
-            results.len().to_string(),
-            met.to_string(),
-            (results.len() - met).to_string(),
-        ]);
+        total = [total[0] + results.len(), total[1] + met];
+        row(&section.title, [results.len(), met]);
         for (row, result) in section.rows.iter().zip(results) {
             if !result.is_met() {
                 let _ = writeln!(missed, "- {}: {}", row.what, missed_by(row, result));
             }
         }
     }
-    table.row([
-        "all".to_owned(),
-        total.0.to_string(),
-        total.1.to_string(),
-        (total.0 - total.1).to_string(),
-    ]);
+    row("all", total);
     let missed = if missed.is_empty() {
         "None is missed.\n".to_owned()
     } else {
@@ -127,83 +121,66 @@ fn target(row: &Row) -> String {
 }
 
 fn rows(rows: &[Row], results: &[RowResult]) -> String {
-    let mut table = Table::new(&[
-        "what",
-        "target",
-        "ours",
-        "verdict",
-        "bound",
-        "of the bound",
-        "others",
-        "moved",
-        "why that target",
-    ]);
     let nothing = || "-".to_owned();
-    for (row, result) in rows.iter().zip(results) {
-        let others = match (result.baseline, result.better, &row.baseline) {
-            (Some(baseline), Some(better), whose) => {
-                let whose = match whose {
-                    Baseline::Bench(id) => format!("`{id}`"),
-                    Baseline::Recorded { by, .. } => by.clone(),
-                    Baseline::None => nothing(),
-                };
-                let better = significant(better, 2);
-                format!("{} ({whose}): {better} ×", significant(baseline, 3))
-            }
-            _ => nothing(),
+    let ours = |row: &Row, result: &RowResult| {
+        let spread = result
+            .spread
+            .map(|spread| format!(" ± {}", percent(spread)));
+        of_unit(result.ours, row.unit) + &spread.unwrap_or_default()
+    };
+    let bound = |row: &Row, result: &RowResult| match (result.bound, &row.bound) {
+        (Some(value), Some(bound)) => format!("{} ({})", significant(value, 3), bound.is),
+        _ => nothing(),
+    };
+    let others = |row: &Row, result: &RowResult| {
+        let (Some(baseline), Some(better)) = (result.baseline, result.better) else {
+            return nothing();
         };
-        let bound = match (result.bound, &row.bound) {
-            (Some(value), Some(bound)) => format!("{} ({})", significant(value, 3), bound.is),
-            _ => nothing(),
+        let whose = match &row.baseline {
+            Baseline::Bench(id) => format!("`{id}`"),
+            Baseline::Recorded { by, .. } => by.clone(),
+            Baseline::None => nothing(),
         };
-        let ours = of_unit(result.ours, row.unit);
-        let ours = match result.spread {
-            Some(spread) => format!("{ours} ± {}", percent(spread)),
-            None => ours,
-        };
-        let cells = [
-            row.what.clone(),
-            target(row),
-            ours,
-            if result.is_met() { "met" } else { "**missed**" }.to_owned(),
-            bound,
-            result
-                .of_bound
-                .map_or_else(nothing, |of| significant(of, 3)),
-            others,
-            result
-                .moved()
-                .map_or_else(nothing, |moved| format!("{:+.0} %", 100.0 * moved)),
-            row.because.clone(),
-        ];
-        table.row(cells.map(|cell| cell.replace('|', "\\|")));
-    }
-    table.markdown()
+        let better = significant(better, 2);
+        format!("{} ({whose}): {better} ×", significant(baseline, 3))
+    };
+    let text = |cell: String| cell.replace('|', "\\|");
+    table_of!(rows.iter().zip(results), |(row, result)|
+        "what" => text(row.what.clone()),
+        "target" => target(row),
+        "ours" => ours(row, result),
+        "verdict" => if result.is_met() { "met" } else { "**missed**" },
+        "bound" => text(bound(row, result)),
+        "of the bound" => result.of_bound.map_or_else(nothing, |of| significant(of, 3)),
+        "others" => text(others(row, result)),
+        "moved" => result.moved().map_or_else(nothing, |moved| format!("{:+.0} %", 100.0 * moved)),
+        "why that target" => text(row.because.clone()),
+    )
+    .markdown()
 }
 
 /// Lists the exponents of time and memory.
 fn grown(growth: &[Growth], results: &[GrowthResult]) -> String {
-    let mut table = Table::new(&["what", "with", "from", "to", "exponent", "at most", ""]);
-    for (row, result) in growth.iter().zip(results) {
-        let shown = |of: &Quantity, value: f64| match of {
-            Quantity::Memory(_) => format!("{} MB", significant(1e-6 * value, 3)),
-            _ => time(value),
-        };
-        let too_much = if result.exponent > row.at_most {
+    let shown = |(of, size): &(Quantity, f64), value: f64| match of {
+        Quantity::Memory(_) => format!("{size}: {} MB", significant(1e-6 * value, 3)),
+        _ => format!("{size}: {}", time(value)),
+    };
+    let too_much = |row: &Growth, result: &GrowthResult| {
+        if result.exponent > row.at_most {
             "**exceeded** "
         } else {
             ""
-        };
-        table.row([
-            row.what.clone(),
-            row.with.clone(),
-            format!("{}: {}", row.from.1, shown(&row.from.0, result.from)),
-            format!("{}: {}", row.to.1, shown(&row.to.0, result.to)),
-            format!("{:.2}", result.exponent),
-            format!("{}", row.at_most),
-            format!("{too_much}{}", row.because),
-        ]);
-    }
+        }
+    };
+    let table = table_of!(growth.iter().zip(results), |(row, result)|
+        "what" => row.what,
+        "with" => row.with,
+        "from" => shown(&row.from, result.from),
+        "to" => shown(&row.to, result.to),
+        "exponent" => format!("{:.2}", result.exponent),
+        "at most" => row.at_most,
+        "" => format!("{}{}", too_much(row, result), row.because),
+    );
     format!(
         "\n## Growth\n\nTime or memory at two sizes of the task, and the exponent of the growth between them: 1 if the time or memory is proportional to the size.\n\n{}",
         table.markdown()
@@ -220,28 +197,18 @@ fn percent(part: f64) -> String {
 
 /// Lists time and memory of each program.
 fn programs(measured: &Measured) -> String {
-    let mut table = Table::new(&[
-        "program",
-        "runs",
-        "median",
-        "least",
-        "greatest",
-        "peak memory",
-    ]);
-    for program in &measured.programs {
-        let memory = program
+    let memory = |bytes: u64| u32::try_from(bytes / 1_000_000).ok();
+    let table = table_of!(&measured.programs, |program|
+        "program" => program.name,
+        "runs" => program.runs,
+        "median" => time(program.median),
+        "least" => time(program.least),
+        "greatest" => time(program.greatest),
+        "peak memory" => program
             .peak_memory
-            .and_then(|bytes| u32::try_from(bytes / 1_000_000).ok())
-            .map_or_else(|| "-".to_owned(), |megabytes| format!("{megabytes} MB"));
-        table.row([
-            program.name.clone(),
-            program.runs.to_string(),
-            time(program.median),
-            time(program.least),
-            time(program.greatest),
-            memory,
-        ]);
-    }
+            .and_then(memory)
+            .map_or_else(|| "-".to_owned(), |megabytes| format!("{megabytes} MB")),
+    );
     format!(
         "\n## Time and memory of the programs\n\n\
          Peak memory is the high-water mark of the resident set, read every millisecond on systems that report it; `reproduce-all` is the sum of the \
@@ -252,28 +219,18 @@ fn programs(measured: &Measured) -> String {
 
 fn instructions(measured: &Measured) -> String {
     let counted = &measured.instructions;
-    let mut table = Table::new(&[
-        "kernel",
-        "what a call does",
-        "instructions",
-        "for each",
-        "",
-        "spread",
-    ]);
-    for found in &counted.kernels {
-        let Some(kernel) = KERNELS.iter().find(|kernel| kernel.name == found.name) else {
-            continue;
-        };
-        let each = found.instructions as f64 / f64::from(kernel.count);
-        table.row([
-            kernel.name.to_owned(),
-            kernel.what.to_owned(),
-            thousands(found.instructions),
-            significant(each, 3),
-            kernel.of.to_owned(),
-            thousands(found.spread),
-        ]);
-    }
+    let kernels = counted.kernels.iter().filter_map(|found| {
+        let kernel = KERNELS.iter().find(|kernel| kernel.name == found.name)?;
+        Some((found, kernel))
+    });
+    let table = table_of!(kernels, |(found, kernel)|
+        "kernel" => kernel.name,
+        "what a call does" => kernel.what,
+        "instructions" => thousands(found.instructions),
+        "for each" => significant(found.instructions as f64 / f64::from(kernel.count), 3),
+        "" => kernel.of,
+        "spread" => thousands(found.spread),
+    );
     format!(
         "\n## Instructions of the hottest kernels\n\n\
          Counted by {} (callgrind) over one call, compiled with {}. `{COMMAND} --instructions --check` counts again and fails if a kernel \
@@ -311,28 +268,21 @@ fn without_target(targets: &Targets, measured: &Measured) -> String {
             with.insert(id);
         }
     }
-    let mut table = Table::new(&["benchmark", "time", "least", "spread", "M/s"]);
     let mut rest: Vec<&Benchmark> = measured
         .benchmarks
         .iter()
         .filter(|benchmark| !with.contains(benchmark.id.as_str()))
         .collect();
     rest.sort_by(|a, b| (&a.program, &a.id).cmp(&(&b.program, &b.id)));
-    for benchmark in rest {
-        table.row([
-            format!(
-                "`{}: {}`",
-                benchmark.program,
-                benchmark.id.replace('|', "\\|")
-            ),
-            time(benchmark.median),
-            time(benchmark.least),
-            percent(benchmark.deviation / benchmark.median),
-            benchmark
-                .rate(benchmark.median)
-                .map_or_else(|| "-".to_owned(), |rate| significant(1e-6 * rate, 3)),
-        ]);
-    }
+    let table = table_of!(rest, |one|
+        "benchmark" => format!("`{}: {}`", one.program, one.id.replace('|', "\\|")),
+        "time" => time(one.median),
+        "least" => time(one.least),
+        "spread" => percent(one.deviation / one.median),
+        "M/s" => one
+            .rate(one.median)
+            .map_or_else(|| "-".to_owned(), |rate| significant(1e-6 * rate, 3)),
+    );
     format!(
         "\n## Without a target\n\n\
          Benchmarks that compare laws, sizes or methods with each other. The last column is the number of elements per second, in millions, if a benchmark counts elements.\n\n{}",

@@ -8,9 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::error::BenchError;
 use super::measured::{Measured, Program, four_digits};
 use super::{Pace, criterion};
+use crate::Outcome;
+use crate::cargo::{cargo, run};
+use crate::files::{at, read};
 
 /// Programs that take a minute or more; a quick run keeps their earlier measurements.
 const LONG: [&str; 3] = [LONG_HITS, FORCES, MANY_MODULI];
@@ -58,10 +60,9 @@ const ALL_PAPERS: &str = "reproduce-all";
 
 impl Programs {
     /// Builds the programs in the profile of the benchmarks, and makes the sheets and records.
-    pub(super) fn prepare(root: &Path, folder: &Path) -> Result<Self, BenchError> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    pub(super) fn prepare(root: &Path, folder: &Path) -> Outcome<Self> {
         // the profile of the benchmarks is used, to avoid building twice
-        let mut build = Command::new(cargo);
+        let mut build = cargo();
         build
             .args(["build", "--quiet", "--profile", "bench", "--locked"])
             .args([
@@ -77,7 +78,7 @@ impl Programs {
             build.args(["--bench", &bench.name]);
         }
         run(&mut build)?;
-        let xtask = std::env::current_exe().map_err(BenchError::at(Path::new("xtask")))?;
+        let xtask = std::env::current_exe()?;
         let built = xtask.parent().unwrap_or(Path::new(".")).to_path_buf();
         let programs = Self {
             folder: folder.to_path_buf(),
@@ -87,9 +88,9 @@ impl Programs {
             root: root.to_path_buf(),
         };
         if folder.exists() {
-            fs::remove_dir_all(folder).map_err(BenchError::at(folder))?;
+            fs::remove_dir_all(folder).map_err(at(folder))?;
         }
-        fs::create_dir_all(folder).map_err(BenchError::at(folder))?;
+        fs::create_dir_all(folder).map_err(at(folder))?;
         programs.ten_hits()?;
         programs.campaigns()?;
         run(&mut programs.streamed())?;
@@ -105,10 +106,10 @@ impl Programs {
         command
     }
 
-    /// Times all programs, each `pace.runs` times if it is short. A quick run takes the times of
+    /// Times all programs, several times if it is short. A quick run takes the times of
     /// the long programs from `before`.
-    pub(super) fn time(&self, pace: Pace, before: &Measured) -> Result<Vec<Program>, BenchError> {
-        let short = pace.runs();
+    pub(super) fn time(&self, pace: Pace, before: &Measured) -> Outcome<Vec<Program>> {
+        let short = pace.choose(11, 3);
         let results = self.folder.join("results");
         let mut timed = Vec::new();
         let mut add = |name: &str, runs: usize, command: &dyn Fn() -> Command| {
@@ -120,35 +121,28 @@ impl Programs {
             timed.push(timed_runs(name, runs, command)?);
             // the next program must not find these files, which may be a thousand reports
             if results.exists() {
-                fs::remove_dir_all(&results).map_err(BenchError::at(&results))?;
+                fs::remove_dir_all(&results).map_err(at(&results))?;
             }
-            Ok::<(), BenchError>(())
+            Outcome::Ok(())
         };
         add(HELP, 2 * short, &|| self.rodlab(&["--help"]))?;
-        add(MODULUS, short, &|| {
-            let mut command = self.rodlab(&["modulus", "ten-hits/modulus.ron", "--quiet", "--out"]);
+        let quiet = |task: &str, of: &str| {
+            let mut command = self.rodlab(&[task, of, "--quiet", "--out"]);
             command.arg(&results);
             command
-        })?;
+        };
+        add(MODULUS, short, &|| quiet("modulus", "ten-hits/modulus.ron"))?;
         if pace == Pace::Whole {
             self.long_hits()?;
         }
-        add(LONG_HITS, 1, &|| {
-            let mut command = self.rodlab(&["modulus", "long/modulus.ron", "--quiet", "--out"]);
-            command.arg(&results);
-            command
-        })?;
+        add(LONG_HITS, 1, &|| quiet("modulus", "long/modulus.ron"))?;
         for (name, campaign) in [
             (FORCES, "forces"),
             (MODULI, "moduli"),
             (MANY_MODULI, "many"),
             (LAWS, "laws"),
         ] {
-            add(name, 1, &|| {
-                let mut command = self.rodlab(&["batch", campaign, "--quiet", "--out"]);
-                command.arg(&results);
-                command
-            })?;
+            add(name, 1, &|| quiet("batch", campaign))?;
         }
         let few = 3.min(short);
         add(STREAM, few, &|| self.streamed())?;
@@ -191,7 +185,7 @@ impl Programs {
 
     /// Writes ten hits with two channels of 65 536 samples: the plan of the example, with more and
     /// longer records.
-    fn ten_hits(&self) -> Result<(), BenchError> {
+    fn ten_hits(&self) -> Outcome {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("ten-hits");
         let plan = changed(
@@ -210,32 +204,33 @@ impl Programs {
             "--quiet",
             "--out",
             "ten-hits/records",
-        ]))
+        ]))?;
+        Ok(())
     }
 
     /// Writes two hits of the example, each channel extended to ten million samples by noise of a
     /// millionth of its largest sample.
-    fn long_hits(&self) -> Result<(), BenchError> {
+    fn long_hits(&self) -> Outcome {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("long");
         let sheet = changed(&example.join("modulus.ron"), &[])?;
         write(&folder.join("modulus.ron"), &without_laws(&sheet))?;
         for name in ["hits-1.npy", "hits-2.npy"] {
             let path = example.join(name);
-            let bytes = fs::read(&path).map_err(BenchError::at(&path))?;
-            let long = continued(&bytes, LONG_HIT).ok_or_else(|| BenchError::Json {
-                path: example.join(name),
-                reason: "expected two rows of doubles after a header of 128 bytes".to_owned(),
+            let bytes = fs::read(&path).map_err(at(&path))?;
+            let long = continued(&bytes, LONG_HIT).ok_or_else(|| {
+                let path = path.display();
+                format!("{path}: expected two rows of doubles after a header of 128 bytes")
             })?;
             let path = folder.join(name);
-            fs::write(&path, long).map_err(BenchError::at(&path))?;
+            fs::write(&path, long).map_err(at(&path))?;
         }
         Ok(())
     }
 
     /// Writes folders of sheets: forces at a thousand velocities; and moduli from the records of
     /// the example, a hundred with laws, a hundred and a thousand without laws.
-    fn campaigns(&self) -> Result<(), BenchError> {
+    fn campaigns(&self) -> Outcome {
         let examples = self.root.join("crates/rodlab/examples");
         for number in 0..1000 {
             let velocity = format!("{:.3} m/s ± 1 %", 0.5 + 0.001 * f64::from(number));
@@ -314,38 +309,27 @@ fn without_laws(sheet: &str) -> String {
 
 /// Returns the text of an example after the `replacements`. A replaced text that the example does
 /// not contain is an error.
-fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchError> {
-    let mut text = fs::read_to_string(path).map_err(BenchError::at(path))?;
+fn changed(path: &Path, replacements: &[(&str, &str)]) -> Outcome<String> {
+    let mut text = read(path)?;
     for (from, to) in replacements {
         if !text.contains(from) {
-            return Err(BenchError::Json {
-                path: path.to_path_buf(),
-                reason: format!("no `{from}` to replace by `{to}`"),
-            });
+            let path = path.display();
+            return Err(format!("{path}: no `{from}` to replace by `{to}`").into());
         }
         text = text.replace(from, to);
     }
     Ok(text)
 }
 
-fn write(path: &Path, text: &str) -> Result<(), BenchError> {
-    fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(BenchError::at(path))?;
-    fs::write(path, text).map_err(BenchError::at(path))
-}
-
-/// Runs a program to its end. An exit status other than 0 is an error, which quotes the last
-/// message of the program.
-fn run(command: &mut Command) -> Result<(), BenchError> {
-    watched(command).map(drop)
+fn write(path: &Path, text: &str) -> Outcome {
+    fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(at(path))?;
+    Ok(fs::write(path, text).map_err(at(path))?)
 }
 
 /// Returns the wall-clock time of a run \[s\] and the maximum resident memory \[bytes\].
-fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
+fn watched(command: &mut Command) -> Outcome<(f64, Option<u64>)> {
     let shown = format!("{command:?}");
-    let fail = |reason: String| BenchError::Command {
-        command: shown.clone(),
-        reason,
-    };
+    let fail = |reason: String| format!("`{shown}`: {reason}");
     command
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -372,7 +356,7 @@ fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
         } else {
             let said = String::from_utf8_lossy(&output.stderr);
             let last = said.trim().lines().last().unwrap_or_default().to_owned();
-            Err(fail(format!("{}, expected 0: {last}", output.status)))
+            Err(fail(format!("{}, expected 0: {last}", output.status)).into())
         }
     })
 }
@@ -388,11 +372,7 @@ fn peak_memory(process: u32) -> Option<u64> {
 
 /// Returns the median and the extremes of `runs` runs. If `runs` is more than 1, an additional
 /// first run is not timed.
-fn timed_runs(
-    name: &str,
-    runs: usize,
-    command: &dyn Fn() -> Command,
-) -> Result<Program, BenchError> {
+fn timed_runs(name: &str, runs: usize, command: &dyn Fn() -> Command) -> Outcome<Program> {
     let mut peak = None;
     if runs > 1 {
         peak = watched(&mut command())?.1;

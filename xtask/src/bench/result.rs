@@ -1,6 +1,7 @@
 //! Targets with their measured results.
 
-use super::error::BenchError;
+use crate::{Outcome, none_of};
+
 use super::measured::{Before, Benchmark, Measured, four_digits};
 use super::target::{Baseline, Growth, Quantity, Row, Target, Targets};
 
@@ -51,10 +52,7 @@ impl RowResult {
 
 /// Returns the result of each row of each section, in the order of the file. A row without a
 /// measurement is an error.
-pub(super) fn results(
-    targets: &Targets,
-    measured: &Measured,
-) -> Result<Vec<Vec<RowResult>>, BenchError> {
+pub(super) fn results(targets: &Targets, measured: &Measured) -> Outcome<Vec<Vec<RowResult>>> {
     let mut missing = Vec::new();
     let sections = targets
         .sections
@@ -73,18 +71,12 @@ pub(super) fn results(
                 .collect()
         })
         .collect();
-    if missing.is_empty() {
-        Ok(sections)
-    } else {
-        Err(BenchError::NotMeasured { rows: missing })
-    }
+    none_of(&missing, "rows have no measurement")?;
+    Ok(sections)
 }
 
 /// Returns each growth, in the order of the file.
-pub(super) fn growth(
-    targets: &Targets,
-    measured: &Measured,
-) -> Result<Vec<GrowthResult>, BenchError> {
+pub(super) fn growth(targets: &Targets, measured: &Measured) -> Outcome<Vec<GrowthResult>> {
     let of = |growth: &Growth| {
         let (from, to) = (&growth.from, &growth.to);
         let (first, second) = (value(&from.0, measured)?.ours, value(&to.0, measured)?.ours);
@@ -98,11 +90,9 @@ pub(super) fn growth(
         .growth
         .iter()
         .map(|growth| {
-            of(growth).ok_or_else(|| BenchError::NotMeasured {
-                rows: vec![format!(
-                    "{} ({:?}, {:?})",
-                    growth.what, growth.from, growth.to
-                )],
+            of(growth).ok_or_else(|| {
+                let Growth { what, from, to, .. } = growth;
+                format!("{what} ({from:?}, {to:?}) has no measurement").into()
             })
         })
         .collect()
@@ -175,50 +165,33 @@ fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
         let (first, second) = (measured.benchmark(first)?, measured.benchmark(second)?);
         Some((first, second, Some(spread(first).hypot(spread(second)))))
     };
-    match of {
+    let (ours, spread) = match of {
         Quantity::Time(id) => {
             let found = measured.benchmark(id)?;
-            Some(Value {
-                ours: found.median,
-                spread: Some(spread(found)),
-            })
+            (found.median, Some(spread(found)))
         }
         Quantity::Rate(id) => {
             let found = measured.benchmark(id)?;
-            Some(Value {
-                ours: found.rate(found.median)?,
-                spread: Some(spread(found)),
-            })
+            (found.rate(found.median)?, Some(spread(found)))
         }
         Quantity::Multiple(first, second) => {
             let (first, second, spread) = pair(first, second)?;
-            Some(Value {
-                ours: first.median / second.median,
-                spread,
-            })
+            (first.median / second.median, spread)
         }
         Quantity::MultipleOfRate(first, second) => {
             let (first, second, spread) = pair(first, second)?;
-            Some(Value {
-                ours: first.rate(first.median)? / second.rate(second.median)?,
-                spread,
-            })
+            let rates = first.rate(first.median)? / second.rate(second.median)?;
+            (rates, spread)
         }
         Quantity::Process(name) => {
             let program = measured.program(name)?;
             let half = 0.5 * (program.greatest - program.least) / program.median;
-            Some(Value {
-                ours: program.median,
-                spread: (program.runs > 1).then_some(half),
-            })
+            (program.median, (program.runs > 1).then_some(half))
         }
         Quantity::Memory(name) => {
             let kilobytes = u32::try_from(measured.program(name)?.peak_memory? / 1024).ok()?;
-            let bytes = 1024.0 * f64::from(kilobytes);
-            Some(Value {
-                ours: bytes,
-                spread: None,
-            })
+            (1024.0 * f64::from(kilobytes), None)
         }
-    }
+    };
+    Some(Value { ours, spread })
 }

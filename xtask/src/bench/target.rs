@@ -1,12 +1,12 @@
 //! docs/performance.ron: targets of benchmarks and programs, their reasons, and results of other
 //! software for the same task.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Deserialize;
 
-use super::error::BenchError;
+use crate::files::read;
+use crate::{Error, Outcome};
 use testbed::ron_text::parse_ron;
 
 /// Contents of the file.
@@ -182,13 +182,12 @@ impl Target {
 
 impl Targets {
     /// Reads and checks the file at `path`.
-    pub(super) fn read(path: &Path) -> Result<Self, BenchError> {
-        let text = fs::read_to_string(path).map_err(BenchError::at(path))?;
-        Self::parse(path, &text)
+    pub(super) fn read(path: &Path) -> Outcome<Self> {
+        Self::parse(path, &read(path)?)
     }
 
     /// Reads and checks `text`; `path` is used in messages.
-    pub(super) fn parse(path: &Path, text: &str) -> Result<Self, BenchError> {
+    pub(super) fn parse(path: &Path, text: &str) -> Outcome<Self> {
         let targets: Self = parse_ron(path, text)?;
         for row in targets.rows() {
             row.check(path)?;
@@ -219,22 +218,18 @@ impl Targets {
 }
 
 /// Returns the error of the row `what` of the file at `path`.
-fn fault(path: &Path, what: &str, reason: String) -> BenchError {
-    BenchError::Row {
-        path: PathBuf::from(path),
-        what: what.to_owned(),
-        reason,
-    }
+pub(super) fn fault(path: &Path, what: &str, reason: &str) -> Error {
+    format!("{}, row `{what}`: {reason}", path.display()).into()
 }
 
 impl Row {
-    fn check(&self, path: &Path) -> Result<(), BenchError> {
-        let fault = |reason: String| fault(path, &self.what, reason);
+    fn check(&self, path: &Path) -> Outcome {
+        let fault = |reason: &str| fault(path, &self.what, reason);
         let positive = |name: &str, value: f64| {
             if value.is_finite() && value > 0.0 {
                 Ok(())
             } else {
-                Err(fault(format!(
+                Err(fault(&format!(
                     "{name} is {value}, expected a finite number above 0"
                 )))
             }
@@ -246,34 +241,34 @@ impl Row {
             .find(|of| !of.fits(self.unit))
         {
             let unit = self.unit.symbol();
-            return Err(fault(format!("{of:?} is not measured in {unit}")));
+            return Err(fault(&format!("{of:?} is not measured in {unit}")));
         }
         if self.because.trim().is_empty() {
-            return Err(fault("the target has no reason".into()));
+            return Err(fault("the target has no reason"));
         }
         if matches!(self.target, Target::OfBound(_)) && bound.is_none() {
             return Err(fault(
-                "the target is a multiple of a bound, but the row has no bound".into(),
+                "the target is a multiple of a bound, but the row has no bound",
             ));
         }
         positive("the target", self.target.limit())?;
         match &self.baseline {
             Baseline::Recorded { value, by } => {
                 if by.trim().is_empty() {
-                    return Err(fault("the baseline has no source".into()));
+                    return Err(fault("the baseline has no source"));
                 }
                 positive("the baseline", *value)
             }
-            Baseline::Bench(_) if !matches!(self.of, Quantity::Time(_) | Quantity::Rate(_)) => Err(
-                fault("a benchmark is a baseline for a time or a rate only".into()),
-            ),
+            Baseline::Bench(_) if !matches!(self.of, Quantity::Time(_) | Quantity::Rate(_)) => {
+                Err(fault("a benchmark is a baseline for a time or a rate only"))
+            }
             Baseline::Bench(_) | Baseline::None => Ok(()),
         }
     }
 }
 
 impl Growth {
-    fn check(&self, path: &Path) -> Result<(), BenchError> {
+    fn check(&self, path: &Path) -> Outcome {
         let kinds = [&self.from.0, &self.to.0].map(std::mem::discriminant);
         let reason = if kinds[0] != kinds[1] {
             format!(
@@ -293,6 +288,6 @@ impl Growth {
         } else {
             return Ok(());
         };
-        Err(fault(path, &self.what, reason))
+        Err(fault(path, &self.what, &reason))
     }
 }

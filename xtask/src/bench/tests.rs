@@ -1,6 +1,5 @@
 //! Consistency of the tables. A row without a measurement is rejected.
 
-use super::error::BenchError;
 use super::measured::{Benchmark, Machine, Measured, Program};
 use super::result::results;
 use super::*;
@@ -50,7 +49,7 @@ fn measured() -> Measured {
     }
 }
 
-fn targets(text: &str) -> Result<Targets, BenchError> {
+fn targets(text: &str) -> Outcome<Targets> {
     Targets::parse(Path::new("performance.ron"), text)
 }
 
@@ -87,8 +86,8 @@ fn a_row_without_a_measurement_is_refused_by_name() {
         .to_string();
     assert_eq!(
         error,
-        "3 rows have no measurement: march (Rate(\"march/Maxwell\")); with derivatives (Multiple(\"march/Maxwell\", \
-         \"march/elastic\")); beside the machine (Time(\"march/Maxwell\"))"
+        "3 rows have no measurement:\n  march (Rate(\"march/Maxwell\"))\n  with derivatives (Multiple(\"march/Maxwell\", \
+         \"march/elastic\"))\n  beside the machine (Time(\"march/Maxwell\"))"
     );
 }
 

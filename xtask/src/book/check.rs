@@ -1,13 +1,13 @@
 //! Checks of a page: links, anchors, equations, names, and the order of sections.
 
 use std::collections::BTreeMap;
-use std::fmt;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::page::{Link, Page, normal};
+use super::page::{Page, normal};
 use super::source::{self, Crate};
-use super::{BookError, math, reference};
+use super::{math, reference};
+use crate::Outcome;
+use crate::files::{self, files_below};
 
 /// Pages that other tasks write. The summary names them even if a checkout does not contain them
 /// yet.
@@ -27,20 +27,6 @@ const LAST_SECTIONS: [&str; 5] = [
 
 /// Pages outside the book; their links into the book must be valid.
 const FRONT_PAGES: [&str; 3] = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"];
-
-/// Fault of a page.
-#[derive(Debug)]
-pub(super) struct Fault {
-    file: PathBuf,
-    line: usize,
-    what: String,
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}: {}", self.file.display(), self.line, self.what)
-    }
-}
 
 /// Counts of the checked items.
 #[derive(Debug, Default)]
@@ -63,46 +49,34 @@ pub(super) struct Book<'a> {
 
 impl<'a> Book<'a> {
     /// Reads `root/docs`, the front pages and the crates; `tasks` are the tasks of `cargo xtask`.
-    pub(super) fn read(root: &'a Path, tasks: Vec<String>) -> Result<Self, BookError> {
-        let io = |path: &Path| {
-            let path = path.to_path_buf();
-            move |source| BookError::Io { path, source }
-        };
-        let docs = root.join("docs");
-        let mut files = source::files_below(&docs, "md").map_err(io(&docs))?;
+    pub(super) fn read(root: &'a Path, tasks: Vec<String>) -> Outcome<Self> {
+        let mut files = files_below(&root.join("docs"), "md")?;
         files.extend(FRONT_PAGES.iter().map(|name| root.join(name)));
         let mut pages = BTreeMap::new();
         for file in files {
-            let text = fs::read_to_string(&file).map_err(io(&file))?;
             let name = file.strip_prefix(root).unwrap_or(&file).to_path_buf();
-            pages.insert(name, Page::read(&text));
+            pages.insert(name, Page::read(&files::read(&file)?));
         }
         Ok(Self {
             root,
             pages,
-            crates: source::crates(root).map_err(io(&root.join("crates")))?,
+            crates: source::crates(root)?,
             tasks,
         })
     }
 
-    pub(super) fn check(&self) -> (Vec<Fault>, Tally) {
+    pub(super) fn check(&self) -> (Vec<String>, Tally) {
         let mut faults = Vec::new();
         let mut tally = Tally::default();
         self.check_summary(&mut faults);
         for (file, page) in &self.pages {
-            let mut fault = |line, what| {
-                faults.push(Fault {
-                    file: file.clone(),
-                    line,
-                    what,
-                });
-            };
+            let mut fault = |line, what: String| faults.push(at(file, line, &what));
             for (line, what) in &page.faults {
                 fault(*line, what.clone());
             }
             for link in &page.links {
                 tally.links += 1;
-                if let Err(what) = self.check_link(file, link) {
+                if let Err(what) = self.check_link(file, &link.target, link.picture) {
                     fault(link.line, what);
                 }
             }
@@ -121,7 +95,7 @@ impl<'a> Book<'a> {
             for equation in &page.equations {
                 tally.equations += 1;
                 if let Err(error) = math::of(equation) {
-                    fault(equation.line, error.to_string());
+                    fault(equation.line, error);
                 }
             }
             for (line, what) in reference::faults(page) {
@@ -134,36 +108,21 @@ impl<'a> Book<'a> {
         for (file, equation) in self.crates.iter().flat_map(|one| &one.equations) {
             tally.equations += 1;
             if let Err(error) = math::of(equation) {
-                faults.push(Fault {
-                    file: file.clone(),
-                    line: equation.line,
-                    what: error.to_string(),
-                });
+                faults.push(at(file, equation.line, &error));
             }
         }
         for (file, line, words) in self.crates.iter().flat_map(|one| &one.clauses) {
-            faults.push(Fault {
-                file: file.clone(),
-                line: *line,
-                what: format!(
-                    "a doc comment opens with a noun or a verb, not with a clause: {words}"
-                ),
-            });
+            let what = "a doc comment opens with a noun or a verb, not with a clause";
+            faults.push(at(file, *line, &format!("{what}: {words}")));
         }
         tally.mentions = self.check_mentions(&mut faults);
         (faults, tally)
     }
 
     /// Checks that the summary contains every page once and nothing else.
-    fn check_summary(&self, faults: &mut Vec<Fault>) {
+    fn check_summary(&self, faults: &mut Vec<String>) {
         let file = Path::new("docs/SUMMARY.md");
-        let mut fault = |line, what| {
-            faults.push(Fault {
-                file: file.to_path_buf(),
-                line,
-                what,
-            });
-        };
+        let mut fault = |line, what: String| faults.push(at(file, line, &what));
         let Some(summary) = self.pages.get(file) else {
             return fault(1, "does not exist".to_owned());
         };
@@ -194,8 +153,7 @@ impl<'a> Book<'a> {
     /// Checks that the target of a link is a file of the repository and has the anchor. A picture
     /// must be in the book; a link may lead out of the book, because the preprocessor removes such
     /// links.
-    fn check_link(&self, from: &Path, link: &Link) -> Result<(), String> {
-        let target = link.target.as_str();
+    fn check_link(&self, from: &Path, target: &str, picture: bool) -> Result<(), String> {
         let (path, anchor) = match target.split_once('#') {
             Some((path, anchor)) => (path, Some(anchor)),
             None => (target, None),
@@ -206,7 +164,7 @@ impl<'a> Book<'a> {
             let folder = from.parent().unwrap_or(Path::new(""));
             normal(&folder.join(path)).ok_or(format!("{target} leaves the repository"))?
         };
-        if link.picture && from.starts_with("docs") && !file.starts_with("docs") {
+        if picture && from.starts_with("docs") && !file.starts_with("docs") {
             return Err(format!("{target}: a picture outside of the book"));
         }
         let generated = GENERATED
@@ -320,34 +278,19 @@ impl<'a> Book<'a> {
     /// Checks that every page named in the source code exists, that the source code names every
     /// page on theory, and that `lib.rs` of every crate whose code a page on theory names has a
     /// line on its theory. Returns the number of pages named in the source code.
-    fn check_mentions(&self, faults: &mut Vec<Fault>) -> usize {
+    fn check_mentions(&self, faults: &mut Vec<String>) -> usize {
         let mut named = 0;
         let with_theory = self.crates_in_the_pages();
         for one in &self.crates {
             if with_theory.contains(&one.name.as_str()) && !one.front_page_has_theory {
-                faults.push(Fault {
-                    file: Path::new("crates").join(&one.name).join("src/lib.rs"),
-                    line: 1,
-                    what: "no line begins with `//! Theory: `".to_owned(),
-                });
+                let file = Path::new("crates").join(&one.name).join("src/lib.rs");
+                faults.push(at(&file, 1, "no line begins with `//! Theory: `"));
             }
             for mention in &one.mentions {
                 named += 1;
-                let link = Link {
-                    target: match &mention.anchor {
-                        Some(anchor) => format!("{}#{anchor}", mention.page),
-                        None => mention.page.clone(),
-                    },
-                    picture: false,
-                    span: 0..0,
-                    line: mention.line,
-                };
-                if let Err(what) = self.check_link(Path::new("README.md"), &link) {
-                    faults.push(Fault {
-                        file: mention.file.clone(),
-                        line: mention.line,
-                        what,
-                    });
+                let from = Path::new("README.md");
+                if let Err(what) = self.check_link(from, &mention.target, false) {
+                    faults.push(at(&mention.file, mention.line, &what));
                 }
             }
         }
@@ -360,17 +303,19 @@ impl<'a> Book<'a> {
                 .crates
                 .iter()
                 .flat_map(|one| &one.mentions)
-                .any(|mention| Path::new(&mention.page) == file);
+                .filter_map(|mention| mention.target.split('#').next())
+                .any(|page| Path::new(page) == file);
             if !is_named {
-                faults.push(Fault {
-                    file: file.clone(),
-                    line: 1,
-                    what: "no comment of the source code names this page".to_owned(),
-                });
+                faults.push(at(file, 1, "no comment of the source code names this page"));
             }
         }
         named
     }
+}
+
+/// Returns a fault with its place.
+fn at(file: &Path, line: usize, what: &str) -> String {
+    format!("{}:{line}: {what}", file.display())
 }
 
 #[cfg(test)]

@@ -9,30 +9,22 @@ use pulldown_latex::{Parser, RenderConfig, Storage};
 
 use super::page::Equation;
 
-/// Reason why an equation cannot be converted.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub(super) enum MathError {
-    #[error("`{tex}`: {reason}")]
-    Tex { tex: String, reason: String },
-    #[error("\\tag without a closing brace in `{tex}`")]
-    OpenTag { tex: String },
-    #[error("`{tex}` has \\tag, but an inline formula cannot have a number")]
-    InlineTag { tex: String },
-}
-
 /// Splits `\tag{number}` off an equation. Returns the remaining equation and the number.
-pub(super) fn split_tag(tex: &str) -> Result<(String, Option<String>), MathError> {
+pub(super) fn split_tag(tex: &str) -> Result<(String, Option<String>), String> {
     let Some((before, behind)) = tex.split_once("\\tag{") else {
         return Ok((tex.to_owned(), None));
     };
     let Some((number, after)) = behind.split_once('}') else {
-        return Err(MathError::OpenTag { tex: one_line(tex) });
+        return Err(format!(
+            "\\tag without a closing brace in `{}`",
+            one_line(tex)
+        ));
     };
     Ok((format!("{before}{after}"), Some(number.to_owned())))
 }
 
 /// Returns the HTML of an equation.
-pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
+pub(super) fn of(equation: &Equation) -> Result<String, String> {
     if equation.display {
         display(&equation.tex)
     } else {
@@ -42,15 +34,18 @@ pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
 
 /// Converts a formula within a sentence. Characters that have a meaning in Markdown become
 /// entities.
-fn inline(tex: &str) -> Result<String, MathError> {
+fn inline(tex: &str) -> Result<String, String> {
     if tex.contains("\\tag") {
-        return Err(MathError::InlineTag { tex: one_line(tex) });
+        let tex = one_line(tex);
+        return Err(format!(
+            "`{tex}` has \\tag, but an inline formula cannot have a number"
+        ));
     }
     Ok(guard_from_markdown(&mathml(tex, DisplayMode::Inline)?))
 }
 
 /// Converts an equation in its own paragraph, with its number at the right.
-fn display(tex: &str) -> Result<String, MathError> {
+fn display(tex: &str) -> Result<String, String> {
     let (tex, number) = split_tag(tex)?;
     let math = mathml(&tex, DisplayMode::Block)?;
     let mut html = String::from("<div class=\"equation\">");
@@ -63,12 +58,9 @@ fn display(tex: &str) -> Result<String, MathError> {
     Ok(html)
 }
 
-fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
+fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, String> {
     let source = joined_primes(tex);
-    let fail = |reason: String| MathError::Tex {
-        tex: one_line(tex),
-        reason: one_line(&reason),
-    };
+    let fail = |reason: String| format!("`{}`: {}", one_line(tex), one_line(&reason));
     let storage = Storage::new();
     // errors are reported here: the renderer would print them into the page in red
     let events = Parser::new(&source, &storage)
@@ -258,7 +250,7 @@ mod tests {
     #[test]
     fn what_is_no_tex_is_an_error_with_the_formula() {
         let error = display("\\frac{1}{2} \\nosuchcommand").unwrap_err();
-        assert!(error.to_string().contains("\\nosuchcommand"), "{error}");
+        assert!(error.contains("\\nosuchcommand"), "{error}");
         assert!(display("\\frac{1}{").is_err());
         assert!(inline("x \\tag{1}").is_err());
     }

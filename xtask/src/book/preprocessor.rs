@@ -10,22 +10,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::math::{self, MathError};
+use super::math;
 use super::page::{Page, normal};
 use crate::Outcome;
-
-/// Reason why no book is returned to mdBook.
-#[derive(Debug, thiserror::Error)]
-enum PreprocessorError {
-    #[error("expected a pair of context and book from mdBook, found {0}")]
-    NotAPair(&'static str),
-    #[error("{chapter}, line {line}: {source}")]
-    Math {
-        chapter: String,
-        line: usize,
-        source: MathError,
-    },
-}
 
 pub(crate) fn run(supports: Option<&str>) -> Outcome {
     if let Some(renderer) = supports {
@@ -38,20 +25,14 @@ pub(crate) fn run(supports: Option<&str>) -> Outcome {
     }
     let mut input = String::new();
     io::stdin().read_to_string(&mut input)?;
-    let book = match serde_json::from_str(&input)? {
-        Value::Array(pair) => match <[Value; 2]>::try_from(pair) {
-            Ok([_, book]) => book,
-            Err(_) => return Err(PreprocessorError::NotAPair("an array of another length").into()),
-        },
-        _ => return Err(PreprocessorError::NotAPair("no array").into()),
-    };
+    let (_context, book): (Value, Value) = serde_json::from_str(&input)?;
     let book = with_equations(book)?;
     io::stdout().write_all(serde_json::to_string(&book)?.as_bytes())?;
     Ok(())
 }
 
 /// Replaces the equations in every chapter of `value`.
-fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
+fn with_equations(value: Value) -> Result<Value, String> {
     Ok(match value {
         Value::Array(items) => Value::Array(
             items
@@ -72,19 +53,14 @@ fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
                 .to_owned();
             if let Some(Value::String(content)) = members.get_mut("content") {
                 *content = page_within_the_book(content, Path::new(&path));
-                *content = page_with_equations(content).map_err(|(line, source)| {
-                    PreprocessorError::Math {
-                        chapter: name,
-                        line,
-                        source,
-                    }
-                })?;
+                *content = page_with_equations(content)
+                    .map_err(|(line, error)| format!("{name}, line {line}: {error}"))?;
             }
             Value::Object(
                 members
                     .into_iter()
                     .map(|(key, member)| Ok((key, with_equations(member)?)))
-                    .collect::<Result<_, PreprocessorError>>()?,
+                    .collect::<Result<_, String>>()?,
             )
         }
         other => other,
@@ -112,7 +88,7 @@ fn page_within_the_book(source: &str, path: &Path) -> String {
 }
 
 /// Returns the source of a page with its formulas converted to MathML.
-fn page_with_equations(source: &str) -> Result<String, (usize, MathError)> {
+fn page_with_equations(source: &str) -> Result<String, (usize, String)> {
     let mut out = String::with_capacity(2 * source.len());
     let mut done = 0;
     for equation in Page::read(source).equations {
@@ -170,7 +146,7 @@ mod tests {
     #[test]
     fn an_equation_that_cannot_be_set_is_named_with_its_chapter_and_line() {
         let book = serde_json::json!({"name": "Rods", "content": "text\n\n$`\\nonsense`$\n"});
-        let error = with_equations(book).unwrap_err().to_string();
+        let error = with_equations(book).unwrap_err();
         assert!(error.starts_with("Rods, line 3: "), "{error}");
     }
 }

@@ -4,15 +4,14 @@
 //! code. rustdoc takes both for code. The task replaces them in the output of rustdoc; a second run
 //! changes nothing.
 
-use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use super::math;
 use super::page::Equation;
-use super::source::{crates, files_below};
-use super::{BookError, at};
+use super::source::crates;
 use crate::Outcome;
+use crate::cargo::cargo;
+use crate::files::{files_below, read};
 use testbed::generated::{workspace_root, write_whole};
 
 const FENCE: (&str, &str) = (
@@ -25,8 +24,7 @@ const PAGE: (&str, &str) = ("<code>docs/", "</code>");
 /// Runs `cargo doc` and rewrites its pages.
 pub(crate) fn run() -> Outcome {
     let root = workspace_root();
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo)
+    let status = cargo()
         .args(["doc", "--locked", "--workspace", "--no-deps"])
         .current_dir(root)
         .status()?;
@@ -38,15 +36,15 @@ pub(crate) fn run() -> Outcome {
     let style = style(root)?;
     let mut changed = 0;
     let mut files = Vec::new();
-    for one in crates(root).map_err(at(root))? {
+    for one in crates(root)? {
         // the folder may contain pages of other libraries, with formulas in another notation
         let pages = folder.join(&one.name);
         if pages.exists() {
-            files.extend(files_below(&pages, "html").map_err(at(&pages))?);
+            files.extend(files_below(&pages, "html")?);
         }
     }
     for file in files {
-        let html = fs::read_to_string(&file).map_err(at(&file))?;
+        let html = read(&file)?;
         let depth = file
             .strip_prefix(&folder)
             .unwrap_or(&file)
@@ -67,9 +65,8 @@ pub(crate) fn run() -> Outcome {
 }
 
 /// Returns the style of equations in the book, for use in a page of rustdoc.
-fn style(root: &Path) -> Result<String, BookError> {
-    let path = root.join("docs").join("book.css");
-    let css = fs::read_to_string(&path).map_err(at(&path))?;
+fn style(root: &Path) -> Outcome<String> {
+    let css = read(&root.join("docs").join("book.css"))?;
     // the rules after this comment are for the tables of the book
     let equations = css.split("/* Tables").next().unwrap_or_default();
     Ok(format!("<style>{equations}</style>"))
@@ -112,9 +109,7 @@ fn equation(tex: &str, display: bool) -> Result<Option<String>, String> {
         span: 0..0,
         line: 0,
     };
-    math::of(&equation)
-        .map(Some)
-        .map_err(|error| error.to_string())
+    math::of(&equation).map(Some)
 }
 
 /// Replaces each text between the marks `open` and `close`, including the marks, by the result of
@@ -154,6 +149,8 @@ fn replaced(
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -1,11 +1,12 @@
 //! Names in the source code that pages mention, and pages that the source code mentions.
 
 use std::collections::HashSet;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::page::{Equation, Page};
+use crate::Outcome;
+use crate::files::{files_below, read};
+use testbed::papers::files;
 
 /// Library crate, with the parts that the book needs.
 #[derive(Debug, Default)]
@@ -27,9 +28,8 @@ pub(super) struct Crate {
 pub(super) struct Mention {
     pub(super) file: PathBuf,
     pub(super) line: usize,
-    /// Path relative to the root of the repository, and the anchor.
-    pub(super) page: String,
-    pub(super) anchor: Option<String>,
+    /// Path relative to the root of the repository, with `#` and the anchor if there is one.
+    pub(super) target: String,
 }
 
 const KEYWORDS: [&str; 8] = [
@@ -53,11 +53,8 @@ fn doc_comment(line: &str) -> Option<&str> {
 }
 
 /// Reads all crates in `root/crates`, in the order of their names.
-pub(super) fn crates(root: &Path) -> io::Result<Vec<Crate>> {
-    let mut folders: Vec<_> = fs::read_dir(root.join("crates"))?
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<Result<_, _>>()?;
-    folders.sort();
+pub(super) fn crates(root: &Path) -> Outcome<Vec<Crate>> {
+    let folders = files(&root.join("crates"))?;
     folders
         .iter()
         .map(|folder| Crate::read(root, folder))
@@ -65,7 +62,7 @@ pub(super) fn crates(root: &Path) -> io::Result<Vec<Crate>> {
 }
 
 impl Crate {
-    fn read(root: &Path, folder: &Path) -> io::Result<Self> {
+    fn read(root: &Path, folder: &Path) -> Outcome<Self> {
         let mut found = Self {
             name: folder
                 .file_name()
@@ -75,7 +72,7 @@ impl Crate {
             ..Self::default()
         };
         for file in files_below(&folder.join("src"), "rs")? {
-            let text = fs::read_to_string(&file)?;
+            let text = read(&file)?;
             let file = file.strip_prefix(root).unwrap_or(&file).to_path_buf();
             found.take(&text, &file);
         }
@@ -108,14 +105,12 @@ impl Crate {
             if file.ends_with("src/lib.rs") && line.starts_with("//! Theory: ") {
                 self.front_page_has_theory = true;
             }
-            for (page, anchor) in pages_named_in(line) {
-                self.mentions.push(Mention {
-                    file: file.to_path_buf(),
-                    line: index + 1,
-                    page,
-                    anchor,
-                });
-            }
+            let mentions = pages_named_in(line).map(|target| Mention {
+                file: file.to_path_buf(),
+                line: index + 1,
+                target,
+            });
+            self.mentions.extend(mentions);
         }
     }
 
@@ -162,41 +157,14 @@ fn comments_of(text: &str) -> String {
 }
 
 /// Returns every page `docs/….md` that the line names, with its anchor.
-fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
-    let mut found = Vec::new();
-    for (at, _) in line.match_indices("docs/") {
-        let name: String = line[at..]
-            .chars()
-            .take_while(|c| c.is_alphanumeric() || matches!(c, '/' | '-' | '_' | '.' | '#'))
-            .collect();
-        let (page, anchor) = match name.split_once('#') {
-            Some((page, anchor)) => (page, Some(anchor.trim_end_matches('.').to_owned())),
-            None => (name.as_str(), None),
-        };
-        let page = page.trim_end_matches('.');
-        if page.ends_with(".md") {
-            found.push((page.to_owned(), anchor));
-        }
-    }
-    found
-}
-
-/// Returns the files with an extension in a folder and its subfolders, in the order of their paths.
-pub(crate) fn files_below(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(folder) = open.pop() {
-        for entry in fs::read_dir(&folder)? {
-            let path = entry?.path();
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|found| found == extension) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
+fn pages_named_in(line: &str) -> impl Iterator<Item = String> {
+    let is_part = |c: char| c.is_alphanumeric() || matches!(c, '/' | '-' | '_' | '.' | '#');
+    line.match_indices("docs/").filter_map(move |(at, _)| {
+        let name = line[at..].split(|c| !is_part(c)).next()?;
+        let name = name.trim_end_matches('.');
+        let page = name.split('#').next()?;
+        page.ends_with(".md").then(|| name.to_owned())
+    })
 }
 
 #[cfg(test)]
@@ -252,7 +220,6 @@ mod tests {
             ("x^2\n", 3)
         );
         assert_eq!(example.mentions.len(), 1);
-        assert_eq!(example.mentions[0].page, "docs/theory/chains.md");
-        assert_eq!(example.mentions[0].anchor.as_deref(), Some("elements"));
+        assert_eq!(example.mentions[0].target, "docs/theory/chains.md#elements");
     }
 }

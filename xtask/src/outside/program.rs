@@ -2,13 +2,13 @@
 //! check.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::pulled_in::PulledIn;
-use crate::cargo::{CargoError, Metadata, cargo, run, target_folder};
-use testbed::generated::{GeneratedError, write_whole};
+use crate::cargo::{Metadata, cargo, run, target_folder};
+use crate::{Outcome, files};
+use testbed::generated::write_whole;
 
 /// Path of the crates in a README, relative to the program of a reader.
 const CLONE: &str = "../rodlab/crates/";
@@ -16,31 +16,6 @@ const CLONE: &str = "../rodlab/crates/";
 /// Profile of the workspace: crates that the workspace compiles with it are not compiled again
 /// here.
 const PROFILE: &str = "[profile.dev]\nopt-level = 2\ndebug = false\n";
-
-/// Reason why there is no program.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ProgramError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
-    #[error(transparent)]
-    File(#[from] GeneratedError),
-    #[error(transparent)]
-    Cargo(#[from] CargoError),
-    #[error("the workspace has no crate {0}")]
-    NoCrate(String),
-    #[error("{} has {found} blocks of `{language}`, expected one, from which the program is made", path.display())]
-    Blocks {
-        path: PathBuf,
-        language: &'static str,
-        found: usize,
-    },
-    #[error("{} declares\n{found}\nexpected [dependencies] and the crate alone, at {CLONE}", path.display())]
-    Manifest { path: PathBuf, found: String },
-    #[error(
-        "a program that uses only {krate} needs {package}, which our Cargo.lock does not contain: run `cargo update --workspace` and review the difference"
-    )]
-    Moved { krate: String, package: String },
-}
 
 /// Program that depends on one library crate and on nothing else.
 #[derive(Debug)]
@@ -53,14 +28,10 @@ pub(crate) struct Program {
 impl Program {
     /// Writes the program for `krate` below the target folder, with the versions of our
     /// `Cargo.lock`.
-    pub(crate) fn write(
-        root: &Path,
-        krate: &str,
-        workspace: &Metadata,
-    ) -> Result<Self, ProgramError> {
+    pub(crate) fn write(root: &Path, krate: &str, workspace: &Metadata) -> Outcome<Self> {
         let package = workspace
             .local(krate)
-            .ok_or_else(|| ProgramError::NoCrate(krate.to_owned()))?;
+            .ok_or_else(|| format!("the workspace has no crate {krate}"))?;
         let features: Vec<String> = package
             .features
             .keys()
@@ -72,11 +43,12 @@ impl Program {
         let declared = block(&text, "toml", &readme)?;
         let main = block(&text, "rust", &readme)?;
         let folder = target_folder().join("outside").join(krate);
-        let manifest =
-            manifest(krate, &declared, &features, root).ok_or(ProgramError::Manifest {
-                path: readme,
-                found: declared,
-            })?;
+        let manifest = manifest(krate, &declared, &features, root).ok_or_else(|| {
+            format!(
+                "{} declares\n{declared}\nexpected [dependencies] and the crate alone, at {CLONE}",
+                readme.display()
+            )
+        })?;
         write_changed(&folder.join("Cargo.toml"), &manifest)?;
         write_changed(
             &folder.join("src").join("main.rs"),
@@ -93,7 +65,7 @@ impl Program {
 
     /// Copies our `Cargo.lock`, lets cargo remove unused packages, and checks that nothing else has
     /// changed.
-    fn lock(&self, root: &Path) -> Result<(), ProgramError> {
+    fn lock(&self, root: &Path) -> Outcome {
         let ours = read(&root.join("Cargo.lock"))?;
         let path = self.folder.join("Cargo.lock");
         write_whole(&path, &ours)?;
@@ -103,10 +75,11 @@ impl Program {
             .into_iter()
             .find(|package| !ours.contains(package) && package.0 != self.name())
         {
-            Some((name, version)) => Err(ProgramError::Moved {
-                krate: self.krate.clone(),
-                package: format!("{name} {version}"),
-            }),
+            Some((name, version)) => Err(format!(
+                "a program that uses only {} needs {name} {version}, which our Cargo.lock does not contain: run `cargo update --workspace` and review the difference",
+                self.krate
+            )
+            .into()),
             None => Ok(()),
         }
     }
@@ -116,7 +89,7 @@ impl Program {
     }
 
     /// Returns the dependencies of the crate without features, and with each feature alone.
-    pub(crate) fn pulled_in(&self) -> Result<(PulledIn, Vec<(String, PulledIn)>), ProgramError> {
+    pub(crate) fn pulled_in(&self) -> Outcome<(PulledIn, Vec<(String, PulledIn)>)> {
         let with = |selection: &[&str]| {
             Metadata::of(&self.folder, selection).map(|graph| PulledIn::of(&self.krate, &graph))
         };
@@ -128,18 +101,13 @@ impl Program {
                 let pulled_in = with(&["--no-default-features", "--features", feature])?;
                 Ok((feature.clone(), pulled_in))
             })
-            .collect::<Result<_, ProgramError>>()?;
+            .collect::<Outcome<_>>()?;
         Ok((by_default, by_feature))
     }
 
     /// Runs `cargo check` on the program, with warnings as errors.
-    pub(crate) fn check_alone(&self, selection: &[&str]) -> Result<(), ProgramError> {
-        let selection = if selection.is_empty() {
-            &["--no-default-features"]
-        } else {
-            selection
-        };
-        run(self.call("check").args(selection))?;
+    pub(crate) fn check_alone(&self, selection: &str) -> Outcome {
+        run(self.call("check").arg(selection))?;
         Ok(())
     }
 
@@ -191,7 +159,7 @@ fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Op
 }
 
 /// Returns the single block of `language` in a README.
-fn block(text: &str, language: &'static str, path: &Path) -> Result<String, ProgramError> {
+fn block(text: &str, language: &str, path: &Path) -> Outcome<String> {
     let opening = format!("```{language}\n");
     let blocks: Vec<&str> = text
         .split(&opening)
@@ -200,11 +168,12 @@ fn block(text: &str, language: &'static str, path: &Path) -> Result<String, Prog
         .collect();
     match blocks.as_slice() {
         [block] => Ok((*block).to_owned()),
-        _ => Err(ProgramError::Blocks {
-            path: path.to_path_buf(),
-            language,
-            found: blocks.len(),
-        }),
+        _ => Err(format!(
+            "{} has {} blocks of `{language}`, expected one, from which the program is made",
+            path.display(),
+            blocks.len()
+        )
+        .into()),
     }
 }
 
@@ -226,7 +195,7 @@ fn locked(lock: &str) -> Vec<(String, String)> {
 
 /// Writes a file only if its contents have changed: cargo compiles only files that are newer than
 /// its output.
-fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
+fn write_changed(path: &Path, contents: &str) -> Outcome {
     if fs::read_to_string(path).is_ok_and(|found| found == contents) {
         return Ok(());
     }
@@ -234,13 +203,8 @@ fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
 }
 
 /// Reads a file with the line ends that Git uses.
-fn read(path: &Path) -> Result<String, ProgramError> {
-    fs::read_to_string(path)
-        .map(|text| text.replace("\r\n", "\n"))
-        .map_err(|source| ProgramError::Io {
-            path: path.to_path_buf(),
-            source,
-        })
+fn read(path: &Path) -> Outcome<String> {
+    Ok(files::read(path)?.replace("\r\n", "\n"))
 }
 
 #[cfg(test)]
@@ -272,9 +236,7 @@ mod tests {
         let path = Path::new("README.md");
         let text = "a\n```rust\nfn main() {}\n```\nb\n```toml\n```\n```toml\n```\n";
         assert_eq!(block(text, "rust", path).unwrap(), "fn main() {}\n");
-        assert!(matches!(
-            block(text, "toml", path),
-            Err(ProgramError::Blocks { found: 2, .. })
-        ));
+        let error = block(text, "toml", path).unwrap_err().to_string();
+        assert!(error.contains("2 blocks of `toml`"), "{error}");
     }
 }

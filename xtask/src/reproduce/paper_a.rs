@@ -12,12 +12,12 @@ mod swing;
 mod temperature;
 mod wave_method;
 
+use rodwave::digits::significant;
 use serde_json::json;
 
-use super::number::significant;
 use super::{Error, Reproduction};
 use room_temperature::Evaluated;
-use testbed::papers::paper_a::{PaperA, load};
+use testbed::papers::paper_a::{PaperA, Test, load};
 use testbed::papers::paper_e;
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
@@ -30,39 +30,49 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let series = roots::series(&paper)?;
     let swings = swing::all(&paper)?;
     let tables = [
-        branches::table(&branches),
-        room_temperature::table(&tests),
-        wave_method::table(&pulses),
-        temperature::table(&heated),
-        roots::wrong_table(&wrong),
-        roots::series_table(&series),
-        swing::table(&swings),
-    ];
-    let headings = [
-        "Table 1: the branch of eq. 3 in each quarter turn of kL",
-        "Figures 3 and 4: Tests 1 to 10",
-        "Figures 3a and 4: two methods on one rod",
-        "Figures 5 and 6: Test 6 from 20 to 140 °C",
-        "Roots by eq. 5 from γ_0 L and by continuation in μ, at low loss",
-        "Eqs. 6 and 7 compared with the numerical solution",
-        "Swing angles",
-    ];
-    let notes = [
-        "",
-        "Conditions (i) to (iii) are those of the paper; at a valid line, in addition, five standard errors are below 1 % of E' and 5 % of the loss factor. The \
+        (
+            "table-1",
+            "Table 1: the branch of eq. 3 in each quarter turn of kL",
+            "",
+            branches::table(&branches),
+        ),
+        (
+            "tests",
+            "Figures 3 and 4: Tests 1 to 10",
+            "Conditions (i) to (iii) are those of the paper; at a valid line, in addition, five standard errors are below 1 % of E' and 5 % of the loss factor. The \
          figures show lines that fulfil the conditions and whose loss factor has a standard error below 5 %. Other roots \
          by eq. 5 are counted on lines that fulfil the conditions; they are unnoticed if the other root fulfils them too.\n\n",
-        "The other method uses a pulse that passes two sections of the rod before a reflection returns.\n\n",
-        "Means over the lines within 50 Hz of 1 kHz that fulfil conditions (i) to (iii).\n\n",
-        "A rod with a fifth of the damping of paper E, eq. 7, μ = 0.036, 1572 lines from 362 Hz to 20 kHz.\n\n",
-        "Computed from exact ratios. The criterion accepts a line if E' and E'' of two terms are within one third of those of four terms.\n\n",
-        "",
+            room_temperature::table(&tests),
+        ),
+        (
+            "two-methods",
+            "Figures 3a and 4: two methods on one rod",
+            "The other method uses a pulse that passes two sections of the rod before a reflection returns.\n\n",
+            wave_method::table(&pulses),
+        ),
+        (
+            "figure-6",
+            "Figures 5 and 6: Test 6 from 20 to 140 °C",
+            "Means over the lines within 50 Hz of 1 kHz that fulfil conditions (i) to (iii).\n\n",
+            temperature::table(&heated),
+        ),
+        (
+            "roots",
+            "Roots by eq. 5 from γ_0 L and by continuation in μ, at low loss",
+            "A rod with a fifth of the damping of paper E, eq. 7, μ = 0.036, 1572 lines from 362 Hz to 20 kHz.\n\n",
+            roots::wrong_table(&wrong),
+        ),
+        (
+            "series",
+            "Eqs. 6 and 7 compared with the numerical solution",
+            "Computed from exact ratios. The criterion accepts a line if E' and E'' of two terms are within one third of those of four terms.\n\n",
+            roots::series_table(&series),
+        ),
+        ("swing-angles", "Swing angles", "", swing::table(&swings)),
     ];
-    let body = headings
+    let body = tables
         .iter()
-        .zip(notes)
-        .zip(&tables)
-        .map(|((heading, note), table)| format!("## {heading}\n\n{note}{}\n", table.markdown()))
+        .map(|(_, heading, note, table)| format!("## {heading}\n\n{note}{}\n", table.markdown()))
         .collect();
     let of = |names: &[&str]| -> Vec<&Evaluated> {
         tests
@@ -70,46 +80,31 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             .filter(|test| names.contains(&test.row.test.as_str()))
             .collect()
     };
-    let pulse = |index: usize| pulses.get(index);
-    let files = vec![
-        ("table-1.csv".into(), tables[0].csv()),
-        ("tests.csv".into(), tables[1].csv()),
-        ("two-methods.csv".into(), tables[2].csv()),
-        ("figure-6.csv".into(), tables[3].csv()),
-        ("roots.csv".into(), tables[4].csv()),
-        ("series.csv".into(), tables[5].csv()),
-        ("swing-angles.csv".into(), tables[6].csv()),
+    let mut files: Vec<_> = tables
+        .iter()
+        .map(|(name, .., table)| (format!("{name}.csv"), table.csv()))
+        .collect();
+    let curves = room_temperature::curves(&tests).csv();
+    files.push(("figures-3-4.csv".into(), curves));
+    for (number, rods, names, pulses) in [
         (
-            "figures-3-4.csv".into(),
-            room_temperature::curves(&tests).csv(),
+            "3a",
+            "polypropylene, D = 11 mm",
+            &["1", "2", "3"][..],
+            pulses.first(),
         ),
-        figure::room_temperature(
-            "figure-3a",
-            "Paper A, Figure 3a, virtual: polypropylene, D = 11 mm",
-            &of(&["1", "2", "3"]),
-            pulse(0),
-        ),
-        figure::room_temperature(
-            "figure-3b",
-            "Paper A, Figure 3b, virtual: polypropylene, D = 16 mm",
-            &of(&["4", "5", "6"]),
-            None,
-        ),
-        figure::room_temperature(
-            "figure-3c",
-            "Paper A, Figure 3c, virtual: polypropylene, D = 19 mm",
-            &of(&["7", "8", "9"]),
-            None,
-        ),
-        figure::room_temperature(
-            "figure-4",
-            "Paper A, Figure 4, virtual: polyamide 6, D = 11 mm",
-            &of(&["10"]),
-            pulse(1),
-        ),
+        ("3b", "polypropylene, D = 16 mm", &["4", "5", "6"], None),
+        ("3c", "polypropylene, D = 19 mm", &["7", "8", "9"], None),
+        ("4", "polyamide 6, D = 11 mm", &["10"], pulses.get(1)),
+    ] {
+        let name = format!("figure-{number}");
+        let title = format!("Paper A, Figure {number}, virtual: {rods}");
+        files.push(figure::room_temperature(&name, &title, &of(names), pulses));
+    }
+    files.extend([
         figure::temperatures(&heated),
         figure::at_one_kilohertz(&heated),
-    ];
+    ]);
     Ok(Reproduction {
         title: "Paper A: tables and figures recomputed".into(),
         introduction: introduction(&paper),
@@ -130,8 +125,13 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             "swing_angles": swings,
         }),
         files,
-        shown: None,
     })
+}
+
+/// Returns a test of Table 2.
+fn named<'a>(paper: &'a PaperA, name: &str) -> Result<&'a Test, Error> {
+    let test = paper.tests.iter().find(|test| test.name == name);
+    test.ok_or_else(|| format!("Table 2 of paper A has no Test {name}").into())
 }
 
 fn introduction(paper: &PaperA) -> String {

@@ -9,9 +9,9 @@ mod figure;
 mod rig;
 mod spacing;
 
+use rodwave::digits::significant;
 use serde_json::json;
 
-use super::number::significant;
 use super::{Error, Reproduction, Table};
 use estimates::Series;
 use testbed::papers::paper_b::{PaperB, load};
@@ -66,7 +66,6 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             figure::phasors(&paper)?,
             figure::moduli(&series),
         ],
-        shown: None,
     })
 }
 

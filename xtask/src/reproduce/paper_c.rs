@@ -62,6 +62,5 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             figure::loss_factor(&paper, &model, &readings)?,
             figure::modulus(&paper, &model)?,
         ],
-        shown: None,
     })
 }

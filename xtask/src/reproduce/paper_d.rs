@@ -14,19 +14,13 @@ mod virtual_test;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::{Error, Reproduction, Shown};
+use super::{Error, Reproduction};
 use testbed::papers::paper_d;
 
 use appendix::Row;
 use flat_loss::FlatLoss;
 use materials::Material;
 use virtual_test::Rig;
-
-/// Figure of the README.
-const FIGURE: Shown = Shown {
-    file: "polypropylene.svg",
-    path: "docs/figures/reproduce-paper-d.svg",
-};
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     let paper = paper_d::load()?;
@@ -78,7 +72,6 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
                 .map(|material| figure::of(material, rig.striker.velocity)),
         )
         .collect(),
-        shown: Some(FIGURE),
     })
 }
 
@@ -98,39 +91,33 @@ fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<Computed, Error> {
         Material(materials::Job),
         Appendix(appendix::Job),
     }
-    enum Done {
-        FlatLoss(FlatLoss),
-        Choice(choice::Row),
-        Material(Material),
-        Appendix(Row),
-    }
     // the longest jobs start first, so that no long job runs alone at the end
     let jobs: Vec<Job> = (flat_loss::jobs(paper).into_iter().map(Job::FlatLoss))
         .chain(choice::jobs(paper).into_iter().map(Job::Choice))
         .chain(materials::jobs(paper).into_iter().map(Job::Material))
         .chain(appendix::jobs(paper).into_iter().map(Job::Appendix))
         .collect();
-    let done: Vec<Done> = jobs
+    let done: Vec<Computed> = jobs
         .par_iter()
         // jobs are distributed one by one, because their durations differ by a factor of ten
         .with_max_len(1)
         .map(|job| {
-            Ok(match job {
-                Job::FlatLoss(job) => Done::FlatLoss(flat_loss::run(job, rig)?),
-                Job::Choice(job) => Done::Choice(choice::run(job, rig)?),
-                Job::Material(job) => Done::Material(materials::run(job, rig)?),
-                Job::Appendix(job) => Done::Appendix(appendix::run(job, rig)?),
-            })
+            let mut done = Computed::default();
+            match job {
+                Job::FlatLoss(job) => done.flat_losses.push(flat_loss::run(job, rig)?),
+                Job::Choice(job) => done.choices.push(choice::run(job, rig)?),
+                Job::Material(job) => done.materials.push(materials::run(job, rig)?),
+                Job::Appendix(job) => done.rows.push(appendix::run(job, rig)?),
+            }
+            Ok(done)
         })
         .collect::<Result<_, Error>>()?;
     let mut computed = Computed::default();
-    for result in done {
-        match result {
-            Done::FlatLoss(row) => computed.flat_losses.push(row),
-            Done::Choice(row) => computed.choices.push(row),
-            Done::Material(material) => computed.materials.push(material),
-            Done::Appendix(row) => computed.rows.push(row),
-        }
+    for one in done {
+        computed.flat_losses.extend(one.flat_losses);
+        computed.choices.extend(one.choices);
+        computed.materials.extend(one.materials);
+        computed.rows.extend(one.rows);
     }
     Ok(computed)
 }

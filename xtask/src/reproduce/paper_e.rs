@@ -10,10 +10,11 @@ mod mobility;
 mod responses;
 
 use rayon::prelude::*;
+use rodwave::digits::significant;
 use serde_json::json;
 
-use super::number::significant;
-use super::{Error, Reproduction, Table};
+use super::number::above;
+use super::{Error, Reproduction, Table, table_of};
 use forces::{Forces, Row};
 use measurement::Measurement;
 use responses::Responses;
@@ -98,7 +99,6 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             figure::impulse_responses(&responses),
             figure::mobilities(&paper, &measurements)?,
         ],
-        shown: None,
     })
 }
 
@@ -135,105 +135,56 @@ fn milliseconds(time: f64) -> String {
 }
 
 fn impact_table(rows: &[&Row]) -> Table {
-    let mut table = Table::new(&[
-        "face",
-        "method",
-        "greatest force, N",
-        "at, ms",
-        "first separation, ms",
-        "end by eq. 3 as printed, ms",
-        "later contacts, ms",
-        "impulse, N s",
-        "M_1 V, N s",
-        "restitution",
-        "difference from the gauges, % of the peak",
-        "energy residual",
-        "momentum residual",
-    ]);
-    for row in rows {
-        let again = row.again.as_ref().map_or("-".into(), |contacts| {
-            if contacts.is_empty() {
-                "none".into()
-            } else {
-                let ranges: Vec<String> = contacts
-                    .iter()
-                    .map(|[begin, end]| format!("{:.2} to {:.2}", 1e3 * begin, 1e3 * end))
-                    .collect();
-                ranges.join("; ")
-            }
-        });
-        let energy = row.balance.map_or("-".into(), |balance| {
-            if balance.energy.abs() < 1e-12 {
-                "< 1e-12".into()
-            } else {
-                format!("{:.0e}", balance.energy)
-            }
-        });
-        let momentum = row
+    let ranges = |contacts: &Vec<[f64; 2]>| {
+        let ranges = contacts
+            .iter()
+            .map(|[begin, end]| format!("{:.2} to {:.2}", 1e3 * begin, 1e3 * end));
+        match ranges.collect::<Vec<_>>().join("; ") {
+            none if none.is_empty() => "none".into(),
+            ranges => ranges,
+        }
+    };
+    table_of!(rows, |row|
+        "face" => row.face,
+        "method" => row.way,
+        "greatest force, N" => format!("{:.0}", row.peak),
+        "at, ms" => milliseconds(row.peak_time),
+        "first separation, ms" => row.end.map_or("-".into(), milliseconds),
+        "end by eq. 3 as printed, ms" => row.to_the_letter.map_or("-".into(), milliseconds),
+        "later contacts, ms" => row.again.as_ref().map_or("-".into(), ranges),
+        "impulse, N s" => format!("{:.4}", row.impulse),
+        "M_1 V, N s" => format!("{:.4}", row.momentum),
+        "restitution" => format!("{:+.4}", row.restitution),
+        "difference from the gauges, % of the peak" =>
+            row.off_gauges.map_or("-".into(), |part| significant(100.0 * part, 2)),
+        "energy residual" => row.balance.map_or("-".into(), |of| above(of.energy.abs(), 1e-12)),
+        "momentum residual" => row
             .balance
             .and_then(|balance| balance.momentum)
-            .map_or("-".into(), |residual| format!("{residual:.1e}"));
-        table.row([
-            row.face.into(),
-            row.way.into(),
-            format!("{:.0}", row.peak),
-            milliseconds(row.peak_time),
-            row.end.map_or("-".into(), milliseconds),
-            row.to_the_letter.map_or("-".into(), milliseconds),
-            again,
-            format!("{:.4}", row.impulse),
-            format!("{:.4}", row.momentum),
-            format!("{:+.4}", row.restitution),
-            row.off_gauges
-                .map_or("-".into(), |part| significant(100.0 * part, 2)),
-            energy,
-            momentum,
-        ]);
-    }
-    table
+            .map_or("-".into(), |residual| format!("{residual:.1e}")),
+    )
 }
 
 fn hammer_table(measurements: &[Measurement], forces: &[Forces]) -> Table {
-    let mut table = Table::new(&[
-        "face",
-        "lines from the light hammer, %",
-        "change of the hammer at, kHz",
-        "standard error of a force, N",
-        "with both hammers weighted by variance, N",
-        "standard error of the end, µs",
-        "possible earlier separation",
-        "exact force inside",
-        "screening",
-    ]);
-    for (measurement, one) in measurements.iter().zip(forces) {
-        let known = &one.uncertainty;
-        table.row([
-            one.face.name().into(),
-            format!("{:.0}", 100.0 * measurement.part_of_light),
-            measurement
-                .crossover_hz
-                .map_or("-".into(), |f| format!("{:.1}", 1e-3 * f)),
-            significant(known.force, 2),
-            significant(known.force_by_variance, 2),
-            known
-                .end
-                .map_or("-".into(), |error| significant(1e6 * error, 2)),
-            known.may_end_earlier.map_or("-".into(), |(time, chance)| {
-                format!(
-                    "at {} ms with probability {}",
-                    milliseconds(time),
-                    significant(chance, 2)
-                )
-            }),
-            format!("{:.3}", known.inside),
-            if known.screening.is_empty() {
-                "no fault found".into()
-            } else {
-                known.screening.join("; ")
-            },
-        ]);
-    }
-    table
+    let faces = measurements.iter().zip(forces);
+    table_of!(faces.map(|(measurement, one)| (measurement, one.face, &one.uncertainty)), |(of, face, known)|
+        "face" => face.name(),
+        "lines from the light hammer, %" => format!("{:.0}", 100.0 * of.part_of_light),
+        "change of the hammer at, kHz" =>
+            of.crossover_hz.map_or("-".into(), |f| format!("{:.1}", 1e-3 * f)),
+        "standard error of a force, N" => significant(known.force, 2),
+        "with both hammers weighted by variance, N" => significant(known.force_by_variance, 2),
+        "standard error of the end, µs" =>
+            known.end.map_or("-".into(), |error| significant(1e6 * error, 2)),
+        "possible earlier separation" => known.may_end_earlier.map_or("-".into(), |(time, chance)| {
+            format!("at {} ms with probability {}", milliseconds(time), significant(chance, 2))
+        }),
+        "exact force inside" => format!("{:.3}", known.inside),
+        "screening" => match known.screening.as_slice() {
+            [] => "no fault found".into(),
+            faults => faults.join("; "),
+        },
+    )
 }
 
 /// Returns the curves of a figure as consecutive rows of one table, because their times differ.

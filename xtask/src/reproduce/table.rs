@@ -2,6 +2,19 @@
 
 use std::fmt::Write;
 
+/// Makes a table with a row for each item: the heading of each column, and the cell of the item in
+/// this column.
+macro_rules! table_of {
+    ($items:expr, |$item:pat_param| $($heading:expr => $cell:expr,)+) => {{
+        let mut table = $crate::reproduce::Table::new(&[$($heading),+]);
+        for $item in $items {
+            table.row([$(ToString::to_string(&$cell)),+]);
+        }
+        table
+    }};
+}
+pub(crate) use table_of;
+
 /// Headings with their units, and rows of cells as displayed text.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Table {

@@ -7,13 +7,14 @@
 mod number;
 
 use std::path::Path;
-use std::{fs, io};
 
+use crate::Outcome;
+use crate::files::read;
 use testbed::papers::files;
 
 use self::number::{between, kind, number_or_range};
-use super::error::Fault;
 use super::numbered::{Kind, Numbered, Part, in_words};
+use super::place::{self, Place};
 
 /// Folders searched for citations, relative to the root of the workspace.
 const PLACES: [&str; 7] = [
@@ -32,22 +33,23 @@ pub(crate) struct Citation {
     pub(crate) file: String,
     pub(crate) line: usize,
     pub(crate) cited: Numbered,
+    /// `None` if the file is not a source of a crate or of a reproduction.
+    pub(crate) place: Option<Place>,
 }
 
 impl Citation {
     /// Returns the fault that the thesis does not contain the cited item.
-    pub(crate) fn fault(&self) -> Fault {
-        Fault::Citation {
-            file: self.file.clone(),
-            line: self.line,
-            expected: in_words(self.cited.part, self.cited.kind),
-            cited: self.cited.clone(),
-        }
+    pub(crate) fn fault(&self) -> String {
+        let expected = in_words(self.cited.part, self.cited.kind);
+        let Self {
+            file, line, cited, ..
+        } = self;
+        format!("{file}, line {line}: `{cited}` is cited, expected {expected}")
     }
 }
 
 /// Returns every citation in the files of the workspace at `root`.
-pub(crate) fn of_workspace(root: &Path) -> Result<Vec<Citation>, Box<dyn std::error::Error>> {
+pub(crate) fn of_workspace(root: &Path) -> Outcome<Vec<Citation>> {
     let mut citations = Vec::new();
     let mut paths: Vec<_> = PLACES.map(|place| root.join(place)).into();
     while let Some(path) = paths.pop() {
@@ -57,9 +59,7 @@ pub(crate) fn of_workspace(root: &Path) -> Result<Vec<Citation>, Box<dyn std::er
             .extension()
             .is_some_and(|ending| ["rs", "md", "ron"].iter().any(|known| ending == *known))
         {
-            let text = fs::read_to_string(&path).map_err(|error| {
-                io::Error::new(error.kind(), format!("{}: {error}", path.display()))
-            })?;
+            let text = read(&path)?;
             let file = path
                 .strip_prefix(root)?
                 .to_string_lossy()
@@ -96,6 +96,7 @@ pub(crate) fn of_text(file: &str, text: &str) -> Vec<Citation> {
                 file: file.to_owned(),
                 line,
                 cited,
+                place: place::of(file, text, line),
             });
         }
     }
@@ -305,7 +306,7 @@ mod tests {
     fn an_equation_that_is_not_there_is_a_fault_with_its_place() {
         let citations = of_text("a.rs", &"\nP D, eqs. 14-15".replace('P', "paper"));
         assert_eq!(
-            citations[1].fault().to_string(),
+            citations[1].fault(),
             "a.rs, line 2: `P D, eq. 15` is cited, expected eq. 1 to 14, δ".replace("P ", "paper ")
         );
     }

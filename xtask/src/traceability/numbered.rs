@@ -22,14 +22,8 @@ impl Part {
 
     /// Returns the paper with this letter.
     pub(crate) fn of_letter(letter: char) -> Option<Self> {
-        match letter {
-            'A' => Some(Self::A),
-            'B' => Some(Self::B),
-            'C' => Some(Self::C),
-            'D' => Some(Self::D),
-            'E' => Some(Self::E),
-            _ => None,
-        }
+        let mut papers = ('A'..='E').zip(Self::ALL.into_iter().skip(1));
+        papers.find_map(|(own, paper)| (own == letter).then_some(paper))
     }
 
     /// Returns the title in the thesis.

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::fs;
-use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use crate::Outcome;
+use crate::files::read;
 use testbed::generated::workspace_root;
+use testbed::ron_text::parse_ron;
 
 /// Path of the counts, relative to the root of the workspace. `crates/rodlab/tests/faults.rs`
 /// documents how they are made.
@@ -18,35 +19,6 @@ pub(super) const HEADING: &str = "Faults of the command";
 
 const HEAD: &str = "| fault | injected | points | refused | right | said | shorter | ended | lost | panics |\n\
                     |---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n";
-
-/// Reason why there is no table.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum FaultsError {
-    #[error("{}: {source}", path.display())]
-    Read {
-        path: PathBuf,
-        source: std::io::Error,
-    },
-    #[error("{}: {source}", path.display())]
-    Counts {
-        path: PathBuf,
-        source: Box<ron::error::SpannedError>,
-    },
-    #[error(
-        "{COUNTS}: \"{fault}\" counts {lost} points as lost and {broke} as broken, expected none"
-    )]
-    Lost {
-        fault: String,
-        lost: usize,
-        broke: usize,
-    },
-    #[error("{COUNTS}: \"{fault}\" states the outcome of {told} points, expected {tried}")]
-    Sum {
-        fault: String,
-        told: usize,
-        tried: usize,
-    },
-}
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -78,21 +50,21 @@ impl Row {
         ]
     }
 
-    fn check(&self) -> Result<(), FaultsError> {
+    fn check(&self) -> Outcome {
+        let (fault, tried) = (&self.fault, self.tried);
         if self.lost + self.broke > 0 {
-            return Err(FaultsError::Lost {
-                fault: self.fault.clone(),
-                lost: self.lost,
-                broke: self.broke,
-            });
+            let (lost, broke) = (self.lost, self.broke);
+            return Err(format!(
+                "{COUNTS}: \"{fault}\" counts {lost} points as lost and {broke} as broken, expected none"
+            )
+            .into());
         }
-        let told = self.counts()[1..].iter().sum();
-        if told != self.tried {
-            return Err(FaultsError::Sum {
-                fault: self.fault.clone(),
-                told,
-                tried: self.tried,
-            });
+        let told: usize = self.counts()[1..].iter().sum();
+        if told != tried {
+            return Err(format!(
+                "{COUNTS}: \"{fault}\" states the outcome of {told} points, expected {tried}"
+            )
+            .into());
         }
         Ok(())
     }
@@ -102,20 +74,12 @@ impl Row {
 struct Campaign(BTreeMap<String, Vec<Row>>);
 
 /// Returns the section without its heading.
-pub(super) fn section() -> Result<String, FaultsError> {
+pub(super) fn section() -> Outcome<String> {
     let path = workspace_root().join(COUNTS);
-    let text = fs::read_to_string(&path).map_err(|source| FaultsError::Read {
-        path: path.clone(),
-        source,
-    })?;
-    let campaign = ron::from_str(&text).map_err(|source| FaultsError::Counts {
-        path,
-        source: Box::new(source),
-    })?;
-    table(&campaign)
+    table(&parse_ron(&path, &read(&path)?)?)
 }
 
-fn table(campaign: &Campaign) -> Result<String, FaultsError> {
+fn table(campaign: &Campaign) -> Outcome<String> {
     let mut text = String::from(
         "Faults that occur in a laboratory were injected into runs of the command, at each of the points in the column \"injected\". \
          `crates/rodlab/tests/faults.rs` counts the outcomes; in the gate, it tries a few of the points. \"Refused\": status 1 or 2 with a \

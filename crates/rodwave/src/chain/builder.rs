@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::element::Element;
-use super::{AngularFrequency, Argument, Chain, Termination, WaveMedium, in_element};
+use super::{AngularFrequency, Argument, Chain, Termination, WaveMedium};
 use crate::RodwaveError;
 use crate::element::{CrossSection, IntoCrossSection, Lumped, Segment};
 use crate::error::check_positive;
@@ -128,7 +128,7 @@ impl<V: Argument> ChainBuilder<V> {
                 // index of the first invalid one
                 let index = self.elements.len();
                 self.first_error
-                    .get_or_insert_with(|| in_element(index, source));
+                    .get_or_insert_with(|| source.in_element(index));
             }
         }
         self

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::element::{Element, Parts};
 use super::face::Face;
-use super::{Argument, Chain, LaplaceVariable, in_element};
+use super::{Argument, Chain, LaplaceVariable};
 use crate::RodwaveError;
 use crate::error::check_finite;
 use crate::transition::State;
@@ -36,7 +36,7 @@ impl<'a, V: Argument> Section<'a, V> {
         };
         let parts = element
             .cut(distance)
-            .map_err(|source| in_element(index, source))?;
+            .map_err(|error| error.in_element(index))?;
         Ok(Self {
             chain,
             element,
@@ -75,7 +75,7 @@ impl<'a, V: Argument> Section<'a, V> {
         let local = self
             .element
             .local_waves(self.distance, argument)
-            .map_err(|source| in_element(self.index, source))?;
+            .map_err(|error| error.in_element(self.index))?;
         let waves = TravellingWaves::of_normal_force(
             state,
             local.propagation_coefficient,
@@ -87,42 +87,22 @@ impl<'a, V: Argument> Section<'a, V> {
     }
 
     fn state_for(&self, argument: V) -> Result<State, RodwaveError> {
-        let pass = |face: &mut Face, index: usize, element: &Element<V>| {
-            let transition = element
-                .transition(argument)
-                .map_err(|source| in_element(index, source))?;
-            face.pass(&transition);
+        let chain = self.chain;
+        let pass = |face: &mut Face, part: &Option<Element<V>>| {
+            if let Some(part) = part {
+                let transition = part.transition(argument);
+                face.pass(&transition.map_err(|error| error.in_element(self.index))?);
+            }
             Ok::<(), RodwaveError>(())
         };
-        let mut face = self.chain.termination.face(argument)?;
-        for (index, element) in self
-            .chain
-            .elements
-            .iter()
-            .enumerate()
-            .skip(self.index + 1)
-            .rev()
-        {
-            pass(&mut face, index, element)?;
-        }
-        if let Some(part) = &self.parts.far {
-            pass(&mut face, self.index, part)?;
-        }
+        let end = chain.termination.face(argument)?;
+        let after = self.index + 1..chain.elements.len();
+        let mut face = chain.carried(end, after, argument)?;
+        pass(&mut face, &self.parts.far)?;
         let here = face;
         face.restart();
-        if let Some(part) = &self.parts.near {
-            pass(&mut face, self.index, part)?;
-        }
-        for (index, element) in self
-            .chain
-            .elements
-            .iter()
-            .enumerate()
-            .take(self.index)
-            .rev()
-        {
-            pass(&mut face, index, element)?;
-        }
+        pass(&mut face, &self.parts.near)?;
+        let face = chain.carried(face, 0..self.index, argument)?;
         here.over_force_of(&face)
     }
 }

@@ -9,7 +9,7 @@ use super::face::Face;
 use super::{AngularFrequency, Argument, LaplaceVariable, WaveMedium};
 use crate::RodwaveError;
 use crate::element::{CrossSection, check_static_impedance};
-use crate::error::{check_positive, check_propagation};
+use crate::error::{check_not_negative, check_positive, check_propagation};
 use crate::quotient::quotient;
 
 /// Termination after the last element of a chain: a relation between N and v on its far face.
@@ -89,24 +89,17 @@ impl<V: Argument> Termination<V> {
     /// Checks that masses and resistances are finite and not negative, and that a density is
     /// above 0.
     pub(super) fn check(&self) -> Result<(), RodwaveError> {
-        let (quantity, value) = match self {
-            Self::Mass(mass) => ("mass of the termination [kg]", *mass),
-            Self::Dashpot(resistance) => ("resistance of the termination [kg/s]", *resistance),
+        match self {
+            Self::Mass(mass) => check_not_negative("mass of the termination [kg]", *mass),
+            Self::Dashpot(resistance) => {
+                check_not_negative("resistance of the termination [kg/s]", *resistance)
+            }
             Self::SemiInfinite { medium, .. } => {
-                check_positive("density of the termination [kg/m^3]", medium.density())?;
-                return Ok(());
+                check_positive("density of the termination [kg/m^3]", medium.density())
             }
             _ => return Ok(()),
-        };
-        if value.is_finite() && value >= 0.0 {
-            Ok(())
-        } else {
-            Err(RodwaveError::NonPhysical {
-                quantity,
-                value,
-                expected: "a finite value, 0 or above",
-            })
         }
+        .map(drop)
     }
 
     /// Force and velocity of the face at the termination.

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::ScaledTransition;
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_not_negative, check_positive};
 
 /// An element without length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,15 +19,7 @@ pub(crate) enum Lumped {
 
 impl Lumped {
     pub(crate) fn mass(mass: f64) -> Result<Self, RodwaveError> {
-        if mass.is_finite() && mass >= 0.0 {
-            Ok(Self::Mass(mass))
-        } else {
-            Err(RodwaveError::NonPhysical {
-                quantity: "mass [kg]",
-                value: mass,
-                expected: "a finite value, 0 or above",
-            })
-        }
+        Ok(Self::Mass(check_not_negative("mass [kg]", mass)?))
     }
 
     pub(crate) fn spring(stiffness: f64) -> Result<Self, RodwaveError> {

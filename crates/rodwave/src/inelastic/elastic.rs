@@ -1,7 +1,8 @@
 //! The elastic rod, F = 0: the null hypothesis of every damping law.
 
-use super::{InelasticLaw, RelaxationFlow, RelaxedStress, check_count};
+use super::{InelasticLaw, RelaxationFlow, RelaxedStress};
 use crate::RodwaveError;
+use crate::error::check_array;
 
 /// Elastic law, F(σ) = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,7 +25,7 @@ impl InelasticLaw for Elastic {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        let [] = check_count(parameters)?;
+        let [] = check_array("parameter array", parameters)?;
         Ok(Self)
     }
 

@@ -2,10 +2,10 @@
 
 use super::{
     DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
-    cell_by_cell, check_count, elementary,
+    cell_by_cell, elementary,
 };
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_array, check_finite, check_positive};
 
 /// Flow of thermally activated segments: F(σ) = ε̇₀ sinh(σ/σ*) = r sinh(β σ/σ_ref)/sinh β, with β =
 /// σ_ref/σ* and r = F(σ_ref). The limit β → 0 is the linear Maxwell law.
@@ -126,7 +126,7 @@ impl InelasticLaw for Eyring {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        let [ln_sharpness, ln_rate] = check_count(parameters)?;
+        let [ln_sharpness, ln_rate] = check_array("parameter array", parameters)?;
         check_finite("ln sharpness", ln_sharpness)?;
         check_finite("ln reference rate", ln_rate)?;
         Self::from_reference_rate(ln_sharpness.exp(), ln_rate.exp(), self.reference_stress)

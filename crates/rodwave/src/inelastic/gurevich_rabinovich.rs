@@ -2,11 +2,11 @@
 
 use super::{
     DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
-    cell_by_cell, check_count, elementary,
+    cell_by_cell, elementary,
     exponential_integral::{self, E1_OF_ONE, EULER_GAMMA, e1},
 };
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_array, check_finite, check_positive};
 
 /// Inelastic strain rate F(σ) = σ exp(|σ|/m)/η = r (σ/σ_ref) exp(β (|σ|/σ_ref - 1)), with β =
 /// σ_ref/m and r = F(σ_ref).
@@ -100,7 +100,7 @@ impl InelasticLaw for MaxwellGurevichRabinovich {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        let [sharpness, ln_rate] = check_count(parameters)?;
+        let [sharpness, ln_rate] = check_array("parameter array", parameters)?;
         check_finite("ln reference rate", ln_rate)?;
         Self::from_reference_rate(sharpness, ln_rate.exp(), self.reference_stress)
     }

@@ -2,10 +2,9 @@
 
 use super::{
     DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
-    check_count,
 };
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_array, check_positive};
 
 /// Linear Maxwell law F(σ) = σ/η with viscosity η [Pa s].
 ///
@@ -80,7 +79,7 @@ impl InelasticLaw for Maxwell {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        let [ln_rate] = check_count(parameters)?;
+        let [ln_rate] = check_array("parameter array", parameters)?;
         Self::from_reference_rate(ln_rate.exp(), self.reference_stress)
     }
 

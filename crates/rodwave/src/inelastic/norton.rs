@@ -6,10 +6,10 @@
 
 use super::{
     DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
-    cell_by_cell, check_count, elementary,
+    cell_by_cell, elementary,
 };
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_array, check_finite, check_positive, check_that};
 
 /// Inelastic strain rate F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and
 /// reference rate r [1/s] at σ_ref \[Pa\].
@@ -77,15 +77,12 @@ impl MaxwellNorton {
 /// Checks that the flow can be computed with an exponent. At exponents of some hundred, the law is
 /// already perfectly plastic.
 fn check_exponent(exponent: f64) -> Result<f64, RodwaveError> {
-    if exponent > 0.0 && exponent <= 1e6 {
-        Ok(exponent)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity: "exponent kappa",
-            value: exponent,
-            expected: "above 0 and at most 1e6",
-        })
-    }
+    check_that(
+        exponent > 0.0 && exponent <= 1e6,
+        "exponent kappa",
+        exponent,
+        "above 0 and at most 1e6",
+    )
 }
 
 impl InelasticLaw for MaxwellNorton {
@@ -112,7 +109,7 @@ impl InelasticLaw for MaxwellNorton {
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
-        let [exponent, ln_rate] = check_count(parameters)?;
+        let [exponent, ln_rate] = check_array("parameter array", parameters)?;
         check_finite("exponent kappa", exponent)?;
         Self::from_reference_rate(exponent, ln_rate.exp(), self.reference_stress)
     }

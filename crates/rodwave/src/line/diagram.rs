@@ -6,7 +6,7 @@ use super::grid::Grid;
 use super::ledger::Ledger;
 use super::march::March;
 use crate::RodwaveError;
-use crate::error::{check_finite, check_steps};
+use crate::error::check_that;
 use crate::inelastic::LANES;
 
 /// Largest number of values of one quantity, which then takes a gigabyte.
@@ -60,24 +60,21 @@ impl Diagram {
         duration: f64,
         stride: usize,
     ) -> Result<Self, RodwaveError> {
-        // rounding may put the quotient above a whole number of steps
-        let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
-        if stride == 0 {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "stride of the diagram [steps]",
-                value: 0.0,
-                expected: "at least 1",
-            });
-        }
+        let steps = march.steps_of(duration)?;
+        check_that(
+            stride > 0,
+            "stride of the diagram [steps]",
+            0.0,
+            "at least 1",
+        )?;
         let n_times = steps / stride + 1;
         let values = n_times.saturating_mul(places.len());
-        if values > MOST_VALUES {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of values in a diagram",
-                value: values as f64,
-                expected: "at most 2^27; use a longer stride or step",
-            });
-        }
+        check_that(
+            values <= MOST_VALUES,
+            "number of values in a diagram",
+            values as f64,
+            "at most 2^27; use a longer stride or step",
+        )?;
         let (bodies, positions) = places.into_iter().unzip();
         let empty = || Vec::with_capacity(values);
         let mut diagram = Self {
@@ -98,9 +95,7 @@ impl Diagram {
                 diagram.push(&mut march);
             }
         }
-        diagram.ledger = march.ledger();
-        // an overflow anywhere in the line soon shows in its energy
-        check_finite("energy of the line [J]", diagram.ledger.stored)?;
+        diagram.ledger = march.finite_ledger()?;
         Ok(diagram)
     }
 

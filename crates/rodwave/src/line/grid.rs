@@ -1,7 +1,7 @@
 //! Grid with one time step for all segments and a whole number of cells in each.
 
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_positive, check_that};
 
 /// Fewest cells of a segment: the interpolation at a gauge needs four.
 const FEWEST_CELLS: f64 = 4.0;
@@ -54,24 +54,19 @@ impl Grid {
         tolerance: f64,
     ) -> Result<Self, RodwaveError> {
         for (index, time) in transit_times.iter().enumerate() {
-            check_positive("transit time of a segment [s]", *time).map_err(|source| {
-                RodwaveError::InElement {
-                    index,
-                    source: Box::new(source),
-                }
-            })?;
+            check_positive("transit time of a segment [s]", *time)
+                .map_err(|error| error.in_element(index))?;
         }
         let longest = transit_times.iter().copied().fold(0.0, f64::max);
         let shortest = transit_times.iter().copied().fold(f64::INFINITY, f64::min);
         let fewest = (longest / longest_step.min(shortest / FEWEST_CELLS)).ceil();
         // this also catches NaN quotients of transit times
-        if fewest.is_nan() || fewest * LARGEST_REFINEMENT > 1e9 {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of cells of the longest segment",
-                value: fewest,
-                expected: "at most 1e9/64; use a longer time step or avoid very short segments",
-            });
-        }
+        check_that(
+            fewest * LARGEST_REFINEMENT <= 1e9,
+            "number of cells of the longest segment",
+            fewest,
+            "at most 1e9/64; use a longer time step or avoid very short segments",
+        )?;
         let misfit = |count: f64| -> f64 {
             let step = longest / count;
             transit_times
@@ -92,13 +87,12 @@ impl Grid {
             count += 1.0;
         }
         let (count, error) = best;
-        if error > tolerance {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "relative change of a wave speed needed for whole numbers of cells",
-                value: error,
-                expected: "at most the tolerance; use a shorter time step",
-            });
-        }
+        check_that(
+            error <= tolerance,
+            "relative change of a wave speed needed for whole numbers of cells",
+            error,
+            "at most the tolerance; use a shorter time step",
+        )?;
         let time_step = longest / count;
         let cells: Vec<usize> = transit_times
             .iter()

@@ -6,7 +6,6 @@ use super::ledger::Ledger;
 use super::march::{EndState, March};
 use super::tangent::Parameter;
 use crate::RodwaveError;
-use crate::error::{check_finite, check_steps};
 use crate::interpolation::Quintic;
 
 /// Histories of a [`Line`](super::Line).
@@ -115,8 +114,7 @@ impl LineHistory {
         contacts: usize,
         parameters: &[Parameter],
     ) -> Result<Self, RodwaveError> {
-        // rounding may put the quotient above a whole number of steps
-        let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
+        let steps = march.steps_of(duration)?;
         let mut history = Self {
             grid: march.grid().clone(),
             gauges: vec![SectionHistory::default(); march.gauges.len()],
@@ -139,9 +137,7 @@ impl LineHistory {
             history.push_gauges(&march);
             history.push_ends(&march);
         }
-        history.ledger = march.ledger();
-        // an overflow anywhere in the line soon shows in its energy
-        check_finite("energy of the line [J]", history.ledger.stored)?;
+        history.ledger = march.finite_ledger()?;
         Ok(history)
     }
 

@@ -9,6 +9,7 @@ use super::ledger::Ledger;
 use super::tangent::{BarTangent, Parameter, Source};
 use super::{Gauge, Line};
 use crate::RodwaveError;
+use crate::error::{check_finite, check_steps};
 
 /// State of a [`Line`] at one time level.
 ///
@@ -340,6 +341,20 @@ impl March {
     fn momentum(&self) -> f64 {
         let bars: f64 = self.bars.iter().map(Bar::momentum).sum();
         bars + self.ends.iter().map(Terminal::momentum).sum::<f64>()
+    }
+
+    /// Number of steps that reach `duration`, which must be within the limit of a history.
+    pub(super) fn steps_of(&self, duration: f64) -> Result<usize, RodwaveError> {
+        // rounding may put the quotient above a whole number of steps
+        check_steps((duration / self.grid.time_step * (1.0 - 1e-12)).ceil())
+    }
+
+    /// The ledger, after a check that its energy is finite: an overflow anywhere in the line soon
+    /// shows in its energy.
+    pub(super) fn finite_ledger(&self) -> Result<Ledger, RodwaveError> {
+        let ledger = self.ledger();
+        check_finite("energy of the line [J]", ledger.stored)?;
+        Ok(ledger)
     }
 
     /// Energy and momentum since the start.

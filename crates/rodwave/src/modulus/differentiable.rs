@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::LaplaceModulus;
 use crate::RodwaveError;
-use crate::error::check_length;
+use crate::error::{check_array, check_length};
 
 /// Complex modulus with exact derivatives with respect to its parameters.
 ///
@@ -69,13 +69,7 @@ pub trait DifferentiableModulus: LaplaceModulus {
 
 /// Converts the parameters to an array of the length required by the law.
 pub(super) fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveError> {
-    parameters
-        .try_into()
-        .map_err(|_| RodwaveError::LengthMismatch {
-            what: "array of parameters",
-            found: parameters.len(),
-            expected: N,
-        })
+    check_array("array of parameters", parameters)
 }
 
 /// Copies the derivatives of a value to the caller's slice and returns the value.

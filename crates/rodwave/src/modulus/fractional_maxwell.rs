@@ -5,12 +5,13 @@ use statrs::function::gamma::gamma;
 
 use super::differentiable::{exactly, named, write};
 use super::time_domain::{after_step, finite_compliance, fractional_decay};
+use super::zener::ModulusStep;
 use super::{
     ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus, check_exponent,
 };
 use crate::RodwaveError;
 use crate::error::check_positive;
-use crate::quotient::quotient;
+use crate::quotient::times_ln;
 
 /// Material without equilibrium modulus that creeps as a power of time: the
 /// [`FractionalZener`](super::FractionalZener) with E₀ = 0.
@@ -23,7 +24,7 @@ use crate::quotient::quotient;
 /// with the Mittag-Leffler function E_α. For α = 1 it is the [`Maxwell`](super::Maxwell) model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FractionalMaxwell {
-    modulus: f64,
+    step: ModulusStep,
     relaxation_time: f64,
     exponent: f64,
 }
@@ -36,7 +37,10 @@ impl FractionalMaxwell {
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0 and α is at most 1.
     pub fn new(modulus: f64, relaxation_time: f64, exponent: f64) -> Result<Self, RodwaveError> {
         Ok(Self {
-            modulus: check_positive("unrelaxed modulus [Pa]", modulus)?,
+            step: ModulusStep {
+                relaxed: 0.0,
+                unrelaxed: check_positive("unrelaxed modulus [Pa]", modulus)?,
+            },
             relaxation_time: check_positive("relaxation time [s]", relaxation_time)?,
             exponent: check_exponent("exponent of the relaxation", exponent)?,
         })
@@ -46,15 +50,6 @@ impl FractionalMaxwell {
     fn power(&self, s: Complex64) -> Complex64 {
         (s * self.relaxation_time).powf(self.exponent)
     }
-
-    /// Computes ∂E/∂ln s.
-    fn slope_at_s(&self, s: Complex64) -> Complex64 {
-        let power = self.power(s);
-        quotient(
-            quotient(self.modulus * self.exponent * power, 1.0 + power),
-            1.0 + power,
-        )
-    }
 }
 
 impl ComplexModulus for FractionalMaxwell {
@@ -63,20 +58,14 @@ impl ComplexModulus for FractionalMaxwell {
     }
 
     fn slope(&self, omega: f64) -> Complex64 {
-        self.slope_at_s(Complex64::new(0.0, omega))
+        self.step
+            .slope(self.exponent, self.power(Complex64::new(0.0, omega)))
     }
 }
 
 impl LaplaceModulus for FractionalMaxwell {
     fn at_s(&self, s: Complex64) -> Complex64 {
-        let power = self.power(s);
-        if power.norm_sqr() <= 1.0 {
-            quotient(self.modulus * power, 1.0 + power)
-        } else {
-            // avoids the difference of two large products in the imaginary part of the expression
-            // above
-            self.modulus - quotient(self.modulus.into(), 1.0 + power)
-        }
+        self.step.at(self.power(s))
     }
 }
 
@@ -87,7 +76,11 @@ impl DifferentiableModulus for FractionalMaxwell {
     }
 
     fn parameters(&self) -> Vec<f64> {
-        vec![self.modulus.ln(), self.relaxation_time.ln(), self.exponent]
+        vec![
+            self.step.unrelaxed.ln(),
+            self.relaxation_time.ln(),
+            self.exponent,
+        ]
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError> {
@@ -100,12 +93,8 @@ impl DifferentiableModulus for FractionalMaxwell {
         s: Complex64,
         derivatives: &mut [Complex64],
     ) -> Result<Complex64, RodwaveError> {
-        let slope = self.slope_at_s(s);
-        let by_exponent = if slope == Complex64::ZERO {
-            Complex64::ZERO // x ln x → 0, also if x has underflowed to 0
-        } else {
-            slope * (s * self.relaxation_time).ln() / self.exponent
-        };
+        let slope = self.step.slope(self.exponent, self.power(s));
+        let by_exponent = times_ln(slope, s * self.relaxation_time) / self.exponent;
         let modulus = self.at_s(s);
         write(modulus, &[modulus, slope, by_exponent], derivatives)
     }
@@ -114,11 +103,11 @@ impl DifferentiableModulus for FractionalMaxwell {
 impl TimeDomainModulus for FractionalMaxwell {
     fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
         let decay = fractional_decay(self.exponent, after_step(time)? / self.relaxation_time)?;
-        Ok(self.modulus * decay)
+        Ok(self.step.unrelaxed * decay)
     }
 
     fn creep_compliance(&self, time: f64) -> Result<f64, RodwaveError> {
         let growth = (after_step(time)? / self.relaxation_time).powf(self.exponent);
-        finite_compliance((1.0 + growth / gamma(1.0 + self.exponent)) / self.modulus)
+        finite_compliance((1.0 + growth / gamma(1.0 + self.exponent)) / self.step.unrelaxed)
     }
 }

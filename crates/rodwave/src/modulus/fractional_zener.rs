@@ -12,7 +12,7 @@ use super::{
 };
 use crate::RodwaveError;
 use crate::error::check_positive;
-use crate::quotient::quotient;
+use crate::quotient::times_ln;
 
 /// Solid with a broad, symmetric loss peak. For α = 1 it is the Zener model.
 ///
@@ -58,25 +58,6 @@ impl FractionalZener {
     fn power(&self, s: Complex64) -> Complex64 {
         (s * self.relaxation_time).powf(self.exponent)
     }
-
-    /// Computes E from (sτ)^α, the computation of which takes most of the time.
-    fn at_power(&self, power: Complex64) -> Complex64 {
-        if power.norm_sqr() <= 1.0 {
-            self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
-        } else {
-            // avoids the difference of two large products in the imaginary part of the expression
-            // above
-            self.step.unrelaxed - quotient(self.step.increment().into(), 1.0 + power)
-        }
-    }
-
-    /// Computes ∂E/∂ln s from (sτ)^α.
-    fn slope_at_power(&self, power: Complex64) -> Complex64 {
-        quotient(
-            quotient(self.step.increment() * self.exponent * power, 1.0 + power),
-            1.0 + power,
-        )
-    }
 }
 
 impl ComplexModulus for FractionalZener {
@@ -85,13 +66,14 @@ impl ComplexModulus for FractionalZener {
     }
 
     fn slope(&self, omega: f64) -> Complex64 {
-        self.slope_at_power(self.power(Complex64::new(0.0, omega)))
+        self.step
+            .slope(self.exponent, self.power(Complex64::new(0.0, omega)))
     }
 }
 
 impl LaplaceModulus for FractionalZener {
     fn at_s(&self, s: Complex64) -> Complex64 {
-        self.at_power(self.power(s))
+        self.step.at(self.power(s))
     }
 }
 
@@ -134,13 +116,9 @@ impl DifferentiableModulus for FractionalZener {
     ) -> Result<Complex64, RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
         let power = self.power(s);
-        let slope = self.slope_at_power(power);
-        let by_exponent = if slope == Complex64::ZERO {
-            Complex64::ZERO // x ln x → 0, also if x has underflowed to 0
-        } else {
-            slope * (s * self.relaxation_time).ln() / self.exponent
-        };
-        let modulus = self.at_power(power);
+        let slope = self.step.slope(self.exponent, power);
+        let by_exponent = times_ln(slope, s * self.relaxation_time) / self.exponent;
+        let modulus = self.step.at(power);
         write(
             modulus,
             &[relaxed, modulus - relaxed, slope, by_exponent],

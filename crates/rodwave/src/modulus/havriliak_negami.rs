@@ -7,7 +7,7 @@ use super::zener::ModulusStep;
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, check_exponent};
 use crate::RodwaveError;
 use crate::error::check_positive;
-use crate::quotient::quotient;
+use crate::quotient::{quotient, times_ln};
 
 /// Empirical law of polymers in their glass transition (Havriliak & Negami, *Polymer* **8** (1967)
 /// 161).
@@ -158,12 +158,7 @@ impl DifferentiableModulus for HavriliakNegami {
     ) -> Result<Complex64, RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
         let slope = self.slope_at_s(s);
-        let s_tau = s * self.relaxation_time;
-        let by_breadth = if slope == Complex64::ZERO {
-            Complex64::ZERO // x ln x → 0, also if x has underflowed to 0
-        } else {
-            slope * s_tau.ln() / self.breadth_exponent
-        };
+        let by_breadth = times_ln(slope, s * self.relaxation_time) / self.breadth_exponent;
         let base = 1.0 + self.power(s);
         let by_skewness = self.step.increment() * base.powf(-self.skewness_exponent) * base.ln();
         let modulus = self.at_s(s);

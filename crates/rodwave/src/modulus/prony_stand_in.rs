@@ -10,7 +10,7 @@ use super::{
     SpringPot,
 };
 use crate::RodwaveError;
-use crate::error::{check_finite, check_positive};
+use crate::error::{check_finite, check_positive, check_that};
 
 /// Purely relaxing law: analytic everywhere except on the negative real axis, where it has a cut.
 ///
@@ -97,30 +97,27 @@ impl PronyStandIn {
         branches_a_decade: f64,
     ) -> Result<Self, RodwaveError> {
         check_positive("lower end of the band [rad/s]", band.from)?;
-        if !(band.to.is_finite() && band.to > band.from) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "upper end of the band [rad/s]",
-                value: band.to,
-                expected: "a finite value above the lower end",
-            });
-        }
-        if !(branches_a_decade.is_finite() && branches_a_decade >= 0.5) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "branches per decade",
-                value: branches_a_decade,
-                expected: "a finite value of 0.5 or more",
-            });
-        }
+        check_that(
+            band.to.is_finite() && band.to > band.from,
+            "upper end of the band [rad/s]",
+            band.to,
+            "a finite value above the lower end",
+        )?;
+        check_that(
+            branches_a_decade.is_finite() && branches_a_decade >= 0.5,
+            "branches per decade",
+            branches_a_decade,
+            "a finite value of 0.5 or more",
+        )?;
         let decades = (band.to / band.from).log10() + 2.0 * MARGIN_DECADES;
         let count = (decades * branches_a_decade).round().max(1.0);
         let reach = (TAIL_DECADES * branches_a_decade).ceil();
-        if (count + reach).is_nan() || count + reach > MOST_BRANCHES {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of branches over the band and its tails",
-                value: count + reach,
-                expected: "at most 2000",
-            });
-        }
+        check_that(
+            count + reach <= MOST_BRANCHES,
+            "number of branches over the band and its tails",
+            count + reach,
+            "at most 2000",
+        )?;
         let step = decades * LN_10 / count;
         let count = count as i32;
         let lowest = band.from.ln() - MARGIN_DECADES * LN_10;
@@ -163,13 +160,12 @@ impl PronyStandIn {
             })
             .sum();
         let spring = wanted - of_branches;
-        if spring.is_nan() || spring < 0.0 {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "spring modulus left by the branches in the middle of the band [Pa]",
-                value: spring,
-                expected: "0 or more; use more branches per decade",
-            });
-        }
+        check_that(
+            spring >= 0.0,
+            "spring modulus left by the branches in the middle of the band [Pa]",
+            spring,
+            "0 or more; use more branches per decade",
+        )?;
         let stand_in = GeneralisedMaxwell::new(spring, branches)?;
         let points = 8 * count;
         let greatest_error = (0..=points)

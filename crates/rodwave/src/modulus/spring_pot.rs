@@ -10,6 +10,7 @@ use super::{
 };
 use crate::RodwaveError;
 use crate::error::check_positive;
+use crate::quotient::times_ln;
 
 /// Power law of the stiffness over all frequencies: E(s) = Eᵣ (s/ωᵣ)^α, 0 < α < 1.
 ///
@@ -70,11 +71,7 @@ impl SpringPot {
 
     /// Derivative E ln(s/ωᵣ) with respect to the exponent; 0 at s = 0.
     pub(super) fn by_exponent(&self, s: Complex64) -> Complex64 {
-        let modulus = self.at_s(s);
-        if modulus == Complex64::ZERO {
-            return Complex64::ZERO; // x ln x → 0, also if x has underflowed to 0
-        }
-        modulus * (s / self.reference_omega).ln()
+        times_ln(self.at_s(s), s / self.reference_omega)
     }
 }
 

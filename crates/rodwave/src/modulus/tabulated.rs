@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::monotone_cubic::MonotoneCubic;
 use super::{ComplexModulus, check_modulus};
 use crate::RodwaveError;
-use crate::error::{check_length, check_not_negative, check_positive};
+use crate::error::{check_length, check_not_negative, check_positive, check_that};
 
 /// Storage and loss modulus at the lines of a measurement, interpolated monotonically in ln ω.
 ///
@@ -64,32 +64,27 @@ impl Tabulated {
     /// a measured E'' negative: the caller must smooth or remove such a line.
     pub fn new(omega: &[f64], modulus: &[Complex64]) -> Result<Self, RodwaveError> {
         check_length("table of moduli", modulus.len(), omega.len())?;
-        let line = |index: Option<usize>| {
-            let index = index?;
-            Some(Line {
-                omega: *omega.get(index)?,
-                modulus: *modulus.get(index)?,
-            })
-        };
-        let (Some(first), Some(last), 2..) =
-            (line(Some(0)), line(omega.len().checked_sub(1)), omega.len())
-        else {
+        let ([first_omega, .., last_omega], [first, .., last]) = (omega, modulus) else {
             return Err(RodwaveError::TooFewSamples {
                 history: "table of moduli",
                 found: omega.len(),
                 expected: 2,
             });
         };
+        let line = |omega: &f64, modulus: &Complex64| Line {
+            omega: *omega,
+            modulus: *modulus,
+        };
+        let (first, last) = (line(first_omega, first), line(last_omega, last));
         let mut below = 0.0;
         for (&omega, modulus) in omega.iter().zip(modulus) {
             check_positive("angular frequency of a line [rad/s]", omega)?;
-            if omega <= below {
-                return Err(RodwaveError::NonPhysical {
-                    quantity: "angular frequency of a line [rad/s]",
-                    value: omega,
-                    expected: "more than that of the previous line",
-                });
-            }
+            check_that(
+                omega > below,
+                "angular frequency of a line [rad/s]",
+                omega,
+                "more than that of the previous line",
+            )?;
             below = omega;
             check_positive("storage modulus of a line [Pa]", modulus.re)?;
             check_not_negative("loss modulus of a line [Pa]", modulus.im)?;

@@ -6,7 +6,7 @@ use super::differentiable::{exactly, named, write};
 use super::time_domain::{after_step, finite_compliance};
 use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_positive, check_that};
 use crate::quotient::quotient;
 
 /// Spring in parallel with a Maxwell model: the simplest solid with a finite wave speed.
@@ -61,13 +61,12 @@ impl ModulusStep {
     pub(super) fn new(relaxed: f64, unrelaxed: f64) -> Result<Self, RodwaveError> {
         let relaxed = check_positive("relaxed modulus [Pa]", relaxed)?;
         let unrelaxed = check_positive("unrelaxed modulus [Pa]", unrelaxed)?;
-        if unrelaxed <= relaxed {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "unrelaxed modulus [Pa]",
-                value: unrelaxed,
-                expected: "more than the relaxed modulus",
-            });
-        }
+        check_that(
+            unrelaxed > relaxed,
+            "unrelaxed modulus [Pa]",
+            unrelaxed,
+            "more than the relaxed modulus",
+        )?;
         Ok(Self { relaxed, unrelaxed })
     }
 
@@ -75,16 +74,31 @@ impl ModulusStep {
     pub(super) fn increment(&self) -> f64 {
         self.unrelaxed - self.relaxed
     }
+
+    /// Returns the modulus of a fractional law, with `power` = (sτ)^α.
+    pub(super) fn at(&self, power: Complex64) -> Complex64 {
+        if power.norm_sqr() <= 1.0 {
+            self.relaxed + quotient(self.increment() * power, 1.0 + power)
+        } else {
+            // avoids the difference of two large products in the imaginary part of the expression
+            // above
+            self.unrelaxed - quotient(self.increment().into(), 1.0 + power)
+        }
+    }
+
+    /// Returns dE/d ln s of this law.
+    pub(super) fn slope(&self, exponent: f64, power: Complex64) -> Complex64 {
+        quotient(
+            quotient(self.increment() * exponent * power, 1.0 + power),
+            1.0 + power,
+        )
+    }
 }
 
 impl Zener {
     /// Computes ∂E/∂ln s.
     fn slope_at_s(&self, s: Complex64) -> Complex64 {
-        let s_tau = s * self.relaxation_time;
-        quotient(
-            quotient(self.step.increment() * s_tau, 1.0 + s_tau),
-            1.0 + s_tau,
-        )
+        self.step.slope(1.0, s * self.relaxation_time)
     }
 }
 

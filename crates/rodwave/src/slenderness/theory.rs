@@ -4,7 +4,7 @@
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::{check_all_finite, check_finite, check_positive};
+use crate::error::{check_all_finite, check_finite, check_positive, check_that};
 use crate::quotient::quotient;
 
 /// Theory of longitudinal waves in a rod with lateral inertia.
@@ -69,15 +69,12 @@ impl RoundRod {
 /// Checks that -1 < ν <= 0.5, the range of stable isotropic solids including the incompressible
 /// one.
 pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveError> {
-    if poisson_ratio > -1.0 && poisson_ratio <= 0.5 {
-        Ok(poisson_ratio)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity: "Poisson's ratio",
-            value: poisson_ratio,
-            expected: "a value above -1 and at most 0.5",
-        })
-    }
+    check_that(
+        poisson_ratio > -1.0 && poisson_ratio <= 0.5,
+        "Poisson's ratio",
+        poisson_ratio,
+        "a value above -1 and at most 0.5",
+    )
 }
 
 /// Result on the first branch of the dispersion relation, or the reason why there is none.
@@ -163,13 +160,12 @@ impl CorrectedModulus {
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless δν is finite and not negative.
     pub fn standard_error(&self, poisson_ratio_error: f64) -> Result<ModulusError, RodwaveError> {
-        if !(poisson_ratio_error.is_finite() && poisson_ratio_error >= 0.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "standard error of Poisson's ratio",
-                value: poisson_ratio_error,
-                expected: "a finite value, at least 0",
-            });
-        }
+        check_that(
+            poisson_ratio_error.is_finite() && poisson_ratio_error >= 0.0,
+            "standard error of Poisson's ratio",
+            poisson_ratio_error,
+            "a finite value, at least 0",
+        )?;
         let slope = self.by_poisson_ratio;
         let loss_factor_slope = (slope.im - slope.re * self.loss_factor()) / self.modulus.re;
         let error = ModulusError {

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
-use crate::error::check_positive;
+use crate::error::{check_positive, check_that};
 
 /// Product aT_p: the alias of the next period is e^{-16} = 1.1e-7, and a rounding error of 1e-16
 /// grows to e^{16} 1e-16 = 1e-9.
@@ -60,13 +60,12 @@ impl DampedSynthesis {
         check_positive("duration [s]", duration)?;
         let interval = check_positive("interval between samples [s]", interval)?;
         let steps = (duration / interval).ceil();
-        if !(1.0..=LARGEST_COUNT / 2.0).contains(&steps) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of intervals",
-                value: steps,
-                expected: "between 1 and 2^25",
-            });
-        }
+        check_that(
+            (1.0..=LARGEST_COUNT / 2.0).contains(&steps),
+            "number of intervals",
+            steps,
+            "between 1 and 2^25",
+        )?;
         let synthesis = Self {
             interval,
             half_count: steps as usize,

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
-use crate::error::{check_enough_samples, check_positive};
+use crate::error::{check_enough_samples, check_positive, check_that};
 
 /// Largest number of lines of a spectrum, which takes some gigabytes with its history.
 const MOST_LINES: usize = 1 << 27;
@@ -35,13 +35,12 @@ impl FourierSynthesis {
     /// [`RodwaveError::TooFewSamples`] for fewer than two lines.
     pub fn new(frequency_step_hz: f64, n_lines: usize) -> Result<Self, RodwaveError> {
         check_enough_samples("the spectrum", n_lines, 2)?;
-        if n_lines > MOST_LINES {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of lines",
-                value: n_lines as f64,
-                expected: "at most 2^27",
-            });
-        }
+        check_that(
+            n_lines <= MOST_LINES,
+            "number of lines",
+            n_lines as f64,
+            "at most 2^27",
+        )?;
         check_positive("frequency step [Hz]", frequency_step_hz)?;
         let highest = frequency_step_hz * n_lines as f64;
         check_positive(

@@ -5,7 +5,9 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::error::{check_finite, check_not_negative, check_positive, check_samples};
+use crate::error::{
+    check_finite, check_length, check_not_negative, check_positive, check_samples, check_that,
+};
 use crate::fourier::RealFourier;
 
 /// Frequencies between which the spectrum of the waves is reduced to 0, as multiples of the highest
@@ -114,33 +116,29 @@ impl FreeEndWaves {
         rate_hz: f64,
     ) -> Result<Self, RodwaveError> {
         check_positive("sampling rate [Hz]", rate_hz)?;
-        if gamma.len() != frequency_hz.len() {
-            return Err(RodwaveError::LengthMismatch {
-                what: "the list of propagation coefficients",
-                found: gamma.len(),
-                expected: frequency_hz.len(),
-            });
-        }
-        if !(1..=MOST_SAMPLES).contains(&n_samples) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "number of samples of a record",
-                value: n_samples as f64,
-                expected: "from 1 to 2^26",
-            });
-        }
+        check_length(
+            "the list of propagation coefficients",
+            gamma.len(),
+            frequency_hz.len(),
+        )?;
+        check_that(
+            (1..=MOST_SAMPLES).contains(&n_samples),
+            "number of samples of a record",
+            n_samples as f64,
+            "from 1 to 2^26",
+        )?;
         let mut below = 0.0;
         let mut slowest = f64::INFINITY;
         // γ/f on the lines
         let mut lines = Vec::with_capacity(gamma.len());
         for (f, gamma) in frequency_hz.iter().zip(gamma) {
             check_positive("frequency of a propagation coefficient [Hz]", *f)?;
-            if *f <= below {
-                return Err(RodwaveError::NonPhysical {
-                    quantity: "frequency of a propagation coefficient [Hz]",
-                    value: *f,
-                    expected: "more than that of the previous line",
-                });
-            }
+            check_that(
+                *f > below,
+                "frequency of a propagation coefficient [Hz]",
+                *f,
+                "more than that of the previous line",
+            )?;
             check_finite("damping coefficient [1/m]", gamma.re)?;
             check_positive("wave number [rad/m]", gamma.im)?;
             below = *f;
@@ -288,13 +286,7 @@ impl FreeEndWaves {
 
     /// Returns the spectrum of a record, limited to the band.
     fn spectrum(&mut self, record: &[f64]) -> Result<Vec<Complex64>, RodwaveError> {
-        if record.len() != self.n_samples {
-            return Err(RodwaveError::LengthMismatch {
-                what: "the record of a gauge",
-                found: record.len(),
-                expected: self.n_samples,
-            });
-        }
+        check_length("the record of a gauge", record.len(), self.n_samples)?;
         check_samples("the record of a gauge", record)?;
         let lines = self.transformed(record);
         Ok(self.weighted(&lines))

@@ -9,15 +9,7 @@ use rodwave::lumped::LumpedRod;
 use rodwave::{DirectProblem, InelasticRod};
 
 use super::table::GoldenTable;
-use crate::bodies::Gaussian;
-
-/// Pulse as smooth as those that an aluminium projectile of 30 mm causes after some centimetres of
-/// rod.
-const PULSE: Gaussian = Gaussian {
-    peak: 8.0,
-    centre: 300e-6,
-    width: 60e-6,
-};
+use crate::bodies::PULSE;
 
 /// Rows of Table 4 that contain the moduli, by the material of Table 2.
 const MODULI: [(&str, &str); 5] = [

@@ -1,12 +1,12 @@
 //! Bodies of paper E, built from the printed numbers.
 
 use num_complex::Complex64;
-use rodwave::element::Circle;
 use rodwave::medium::Medium;
-use rodwave::modulus::{Elastic, PowerLawPropagation};
+use rodwave::modulus::PowerLawPropagation;
 use rodwave::{Chain, Termination};
+use testbed::papers::paper_e::bodies::Face;
+use testbed::papers::paper_e::{self, PaperE};
 
-use super::table::GoldenTable;
 use crate::reference_mpmath::errors_of_chains;
 
 pub(crate) struct Bodies {
@@ -17,46 +17,15 @@ pub(crate) struct Bodies {
 }
 
 pub(crate) fn bodies() -> Bodies {
-    let constants = GoldenTable::read("paper_e_constants.ron");
-    let value = |name| constants.constant(name).value;
-    let law = PowerLawPropagation::new(
-        value("nylon_alpha_coefficient"),
-        value("nylon_alpha_exponent"),
-        value("nylon_k_coefficient"),
-        value("nylon_k_exponent"),
-    )
-    .unwrap();
-    let nylon = Medium::new(value("nylon_density"), law).unwrap();
-    let elastic = |modulus, density| {
-        Medium::new(value(density), Elastic::new(value(modulus)).unwrap()).unwrap()
-    };
-    let aluminium = elastic("aluminium_modulus", "aluminium_density");
-    let steel = elastic("steel_modulus", "steel_density");
-    let circle = |name| Circle::of_diameter(value(name)).unwrap();
-    let face = circle("cylinder_diameter");
-    let length = value("cylinder_section_length");
-    assert!((value("cylinder_sections") - 4.0).abs() < 1e-12);
+    let paper = paper_e::load().unwrap();
+    let rod = PaperE::circle(paper.rod_diameter).unwrap();
     Bodies {
-        cone: Chain::from_impact_face()
-            .cone(
-                &nylon,
-                circle("cone_diameter_a"),
-                circle("cone_diameter_b"),
-                value("cone_length"),
-            )
-            .end(Termination::Free)
-            .unwrap(),
-        cylinder: Chain::from_impact_face()
-            .rod(&nylon, face, length)
-            .rod(&aluminium, face, length)
-            .rod(&nylon, face, length)
-            .rod(&aluminium, face, length)
-            .end(Termination::Free)
-            .unwrap(),
+        cone: paper.printed(Face::ConeA).unwrap(),
+        cylinder: paper.printed(Face::CylinderA).unwrap(),
         long_rod: Chain::from_impact_face()
-            .end(Termination::semi_infinite(&steel, circle("rod_diameter")))
+            .end(Termination::semi_infinite(&paper.steel().unwrap(), rod))
             .unwrap(),
-        nylon,
+        nylon: paper.printed_nylon().unwrap(),
     }
 }
 
@@ -73,14 +42,13 @@ fn printed_bodies_have_the_mobilities_of_mpmath() {
 /// impacts last, about 1 ms.
 #[test]
 fn no_reflected_wave_during_the_time_interval_of_interest() {
-    let constants = GoldenTable::read("paper_e_constants.ron");
-    let value = |name| constants.constant(name).value;
-    let speed = (value("steel_modulus") / value("steel_density")).sqrt();
-    let echo = 2.0 * (value("rod_length") - value("strain_gauge_distance")) / speed;
+    let paper = paper_e::load().unwrap();
+    let speed = (paper.steel_modulus / paper.steel_density).sqrt();
+    let echo = 2.0 * (paper.rod_length - paper.gauge_distance) / speed;
     assert!((2.2e-3..2.4e-3).contains(&echo), "{echo}");
     // the period of the predicted impulse responses, 2048 samples up to 10 kHz, also contains the
     // ringing of the bodies
-    let step_hz = value("predicted_frequency_highest") / value("predicted_samples");
+    let step_hz = paper.predicted_highest_hz / paper.predicted_samples;
     assert!(step_hz.recip() > 50.0 * echo);
 }
 
@@ -89,30 +57,27 @@ fn no_reflected_wave_during_the_time_interval_of_interest() {
 /// the sum of a separately computed force history is 0.983 N s.
 #[test]
 fn momentum_of_the_four_cases() {
-    let cases = GoldenTable::read("paper_e_cases.ron");
+    let paper = paper_e::load().unwrap();
     let bodies = bodies();
     let omega = 1e-2;
     let mut momenta = Vec::new();
-    for (case, mobility, body) in [
-        ("TCA", bodies.cone.mobility(omega), &bodies.cone),
-        ("TCB", bodies.cone.far_face_mobility(omega), &bodies.cone),
-        ("CCA", bodies.cylinder.mobility(omega), &bodies.cylinder),
-        (
-            "CCB",
-            bodies.cylinder.far_face_mobility(omega),
-            &bodies.cylinder,
-        ),
+    let (cone, cylinder) = (&bodies.cone, &bodies.cylinder);
+    for (face, mobility, body) in [
+        (Face::ConeA, cone.mobility(omega), cone),
+        (Face::ConeB, cone.far_face_mobility(omega), cone),
+        (Face::CylinderA, cylinder.mobility(omega), cylinder),
+        (Face::CylinderB, cylinder.far_face_mobility(omega), cylinder),
     ] {
         let mass = body.free_mass().unwrap();
         // G iω M = 1 + O((γL)²), where γL is 3e-6 at this frequency, and rounding
         let unity = mobility.unwrap() * Complex64::new(0.0, omega * mass);
-        assert!((unity - 1.0).norm() < 1e-10, "{case}: {unity}");
-        momenta.push(mass * cases.row(case).value("impact_velocity"));
+        assert!((unity - 1.0).norm() < 1e-10, "{face:?}: {unity}");
+        momenta.push(mass * paper.case(face).unwrap().impact_velocity);
     }
     // tolerance: half a unit of the last digit
     assert!((momenta[1] - 0.983).abs() < 5e-4, "{momenta:?}");
     // two sections of nylon and two of aluminium
-    let cylinder = momenta[2] / cases.row("CCA").value("impact_velocity");
     let section = std::f64::consts::FRAC_PI_4 * 0.032_f64.powi(2) * 0.125;
-    assert!((cylinder / (2.0 * section * (1150.0 + 2700.0)) - 1.0).abs() < 1e-12);
+    let mass = cylinder.free_mass().unwrap();
+    assert!((mass / (2.0 * section * (1150.0 + 2700.0)) - 1.0).abs() < 1e-12);
 }

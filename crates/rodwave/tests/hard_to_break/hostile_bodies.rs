@@ -8,7 +8,7 @@ use rodwave::experiment::end_accelerations::{
 };
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
 use rodwave::medium::Medium;
-use rodwave::modulus::{Elastic, Zener};
+use rodwave::modulus::Elastic;
 use rodwave::slenderness::{
     LoveRayleigh, MindlinHerrmann, PochhammerChree, RectangularRod, RodTheory, RoundRod,
     Slenderness, Theory, elementary_theory_error, rayleigh_to_shear_speed,
@@ -19,10 +19,7 @@ use rodwave::{Chain, Termination};
 
 use super::hostile::are_modest;
 use super::{Findings, Numbers, parts};
-
-fn polymer() -> Medium<Zener> {
-    Medium::new(910.0, Zener::new(2.2e9, 2.6e9, 3e-5).unwrap()).unwrap()
-}
+use crate::bodies::polymer;
 
 fn entries(matrix: &TransitionMatrix) -> Vec<f64> {
     parts(matrix.entries().concat())

@@ -2,21 +2,13 @@
 
 use num_complex::Complex64;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use rodwave::chain::ChainBuilder;
 use rodwave::element::CrossSection;
 use rodwave::medium::Medium;
 use rodwave::modulus::{ConstantQ, Elastic, KelvinVoigt, Zener};
 use rodwave::{Chain, Termination};
 
-fn cases(seed: u64) -> ProptestConfig {
-    ProptestConfig {
-        cases: 128,
-        rng_seed: RngSeed::Fixed(seed),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
+use super::cases;
 
 /// An element described by numbers: kind, material, two areas and a length. Masses, stiffnesses and
 /// resistances follow from the first area.
@@ -102,7 +94,7 @@ fn loss(chain: &Chain, omega: f64) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(cases(1))]
+    #![proptest_config(cases(128, 1))]
 
     /// Checks that the far face of a reversed body responds like the impact face of the original.
     #[test]

@@ -1,7 +1,6 @@
 //! Properties of marches for any material: balances, scaling, delay and superposition.
 
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use rodwave::band_limited::SampledHistory;
 use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::{
@@ -13,14 +12,7 @@ use rodwave::{DirectProblem, InelasticRod};
 
 use num_complex::Complex64;
 
-fn cases(cases: u32, seed: u64) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(seed),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
+use super::cases;
 
 /// Smooth pulse of 60 µs with the maximum 1.
 fn push(time: f64) -> f64 {

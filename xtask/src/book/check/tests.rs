@@ -1,5 +1,7 @@
 //! Deliberate faults in a small repository, each of which must be found.
 
+use std::fs;
+
 use super::*;
 
 /// Returns the faults of a small correct repository after a `change`: the file, a text in it, and
@@ -39,7 +41,7 @@ fn faults_with(change: Option<(&str, &str, &str)>) -> Vec<String> {
         fs::write(path, text).unwrap();
     }
     let book = Book::read(folder.path(), vec!["book".to_owned()]).unwrap();
-    book.check().0.iter().map(ToString::to_string).collect()
+    book.check().0
 }
 
 #[test]

@@ -6,7 +6,8 @@ use cmod::branch::{Branch, FreeEndRoot};
 use num_complex::Complex64;
 use serde::Serialize;
 
-use super::super::Table;
+use super::super::number::above;
+use super::super::{Table, table_of};
 use testbed::papers::paper_a::PaperA;
 
 /// Values of α/k for which roots are computed.
@@ -27,11 +28,6 @@ pub(crate) struct Row {
     pub(crate) at_rounding: f64,
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "quarter turns of a transcribed table, below ten"
-)]
 pub(crate) fn all(paper: &PaperA) -> Vec<Row> {
     paper
         .branches
@@ -67,21 +63,12 @@ pub(crate) fn all(paper: &PaperA) -> Vec<Row> {
 }
 
 pub(crate) fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new(&["kL", "sin φ", "cos φ", "s", "n", "greatest error of γL"]);
-    for row in rows {
-        let [sin, cos] = &row.phase;
-        table.row([
-            row.interval.clone(),
-            sin.clone(),
-            cos.clone(),
-            format!("{:+}", row.s),
-            row.n.to_string(),
-            if row.at_rounding < 1e-11 {
-                "< 1e-11".into()
-            } else {
-                format!("{:.0e}", row.at_rounding)
-            },
-        ]);
-    }
-    table
+    table_of!(rows, |row|
+        "kL" => row.interval,
+        "sin φ" => row.phase[0],
+        "cos φ" => row.phase[1],
+        "s" => format!("{:+}", row.s),
+        "n" => row.n,
+        "greatest error of γL" => above(row.at_rounding, 1e-11),
+    )
 }

@@ -58,11 +58,6 @@ impl VirtualTest {
     /// Returns Ψ, estimated by H₁ from as many hits as in the paper (section 3). `strength` is the
     /// strength of the hits relative to that at the usual swing angle. The noise of the sensors is
     /// the same for every strength; the range of the converter is set for this strength.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a transcribed whole number, ten"
-    )]
     pub(crate) fn ratio(&self, strength: f64, seed: u64) -> Result<Ratio, Error> {
         let count = self.averaged as usize;
         let blows = self.recorder.blows(strength, count, seed, |_| strength)?;

@@ -6,12 +6,13 @@ use cmod::validity::Violation;
 use cmod::{ModulusEstimate, ModulusLine, Solver};
 use num_complex::Complex64;
 use rayon::prelude::*;
+use rodwave::digits::significant;
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::coverage::within;
+use super::super::{Error, Table, table_of};
 use super::rig::{SEED, VirtualTest};
 use testbed::papers::paper_a::PaperA;
 
@@ -148,90 +149,38 @@ fn worst(estimate: &ModulusEstimate, exact: &dyn Fn(&ModulusLine) -> Complex64) 
     })
 }
 
-/// Returns the fraction of the values E' and E'' of valid lines within a number of standard errors.
-pub(crate) fn within(
-    estimate: &ModulusEstimate,
-    exact: &dyn Fn(&ModulusLine) -> Complex64,
-    limit: f64,
-) -> f64 {
-    let deviations: Vec<f64> = estimate
-        .valid()
-        .flat_map(|line| {
-            let exact = exact(line);
-            [
-                (line.modulus.re - exact.re) / line.standard_error.storage_modulus,
-                (line.modulus.im - exact.im) / line.standard_error.loss_modulus,
-            ]
-        })
-        .collect();
-    let inside = deviations.iter().filter(|d| d.abs() < limit).count();
-    inside as f64 / deviations.len().max(1) as f64
-}
-
 pub(crate) fn table(tests: &[Evaluated]) -> Table {
-    let mut table = Table::new(&[
-        "test",
-        "D, mm",
-        "L, mm",
-        "μ",
-        "lines",
-        "(i) to (iii)",
-        "from, to, Hz",
-        "of these, valid",
-        "from, Hz",
-        "to, Hz",
-        "greatest error of E', %",
-        "of E''/E', %",
-        "within 1 s.e., %",
-        "within 2 s.e., %",
-        "other root by eq. 5, lines",
-        "unnoticed",
-    ]);
-    for one in tests {
-        let row = &one.row;
-        table.row([
-            row.test.clone(),
-            format!("{:.1}", 1e3 * one.diameter),
-            format!("{:.0}", 1e3 * one.length),
-            significant(row.mass_ratio, 2),
-            row.lines.to_string(),
-            row.admissible.to_string(),
-            format!("{:.0} to {:.0}", row.admissible_hz[0], row.admissible_hz[1]),
-            row.valid.to_string(),
-            format!("{:.0}", row.lowest_hz),
-            format!("{:.0}", row.highest_hz),
-            significant(100.0 * row.worst[0], 2),
-            significant(100.0 * row.worst[1], 2),
-            format!("{:.0}", 100.0 * row.within[0]),
-            format!("{:.0}", 100.0 * row.within[1]),
-            row.wrong_by_newton.to_string(),
-            row.unnoticed.to_string(),
-        ]);
-    }
-    table
+    table_of!(tests, |Evaluated { row, length, diameter, .. }|
+        "test" => row.test,
+        "D, mm" => format!("{:.1}", 1e3 * diameter),
+        "L, mm" => format!("{:.0}", 1e3 * length),
+        "μ" => significant(row.mass_ratio, 2),
+        "lines" => row.lines,
+        "(i) to (iii)" => row.admissible,
+        "from, to, Hz" => format!("{:.0} to {:.0}", row.admissible_hz[0], row.admissible_hz[1]),
+        "of these, valid" => row.valid,
+        "from, Hz" => format!("{:.0}", row.lowest_hz),
+        "to, Hz" => format!("{:.0}", row.highest_hz),
+        "greatest error of E', %" => significant(100.0 * row.worst[0], 2),
+        "of E''/E', %" => significant(100.0 * row.worst[1], 2),
+        "within 1 s.e., %" => format!("{:.0}", 100.0 * row.within[0]),
+        "within 2 s.e., %" => format!("{:.0}", 100.0 * row.within[1]),
+        "other root by eq. 5, lines" => row.wrong_by_newton,
+        "unnoticed" => row.unnoticed,
+    )
 }
 
 /// Returns E' and E'' of every valid line.
 pub(crate) fn curves(tests: &[Evaluated]) -> Table {
-    let mut table = Table::new(&[
-        "test",
-        "frequency, Hz",
-        "E', GPa",
-        "standard error, GPa",
-        "E'', GPa",
-        "standard error of E'', GPa",
-    ]);
-    for one in tests {
-        for line in one.estimate.valid() {
-            table.row([
-                one.row.test.clone(),
-                format!("{:.1}", line.frequency_hz),
-                format!("{:.5}", 1e-9 * line.modulus.re),
-                significant(1e-9 * line.standard_error.storage_modulus, 2),
-                format!("{:.5}", 1e-9 * line.modulus.im),
-                significant(1e-9 * line.standard_error.loss_modulus, 2),
-            ]);
-        }
-    }
-    table
+    let lines = tests
+        .iter()
+        .flat_map(|one| one.estimate.valid().map(move |line| (&one.row.test, line)));
+    table_of!(lines, |(test, line)|
+        "test" => test,
+        "frequency, Hz" => format!("{:.1}", line.frequency_hz),
+        "E', GPa" => format!("{:.5}", 1e-9 * line.modulus.re),
+        "standard error, GPa" => significant(1e-9 * line.standard_error.storage_modulus, 2),
+        "E'', GPa" => format!("{:.5}", 1e-9 * line.modulus.im),
+        "standard error of E'', GPa" => significant(1e-9 * line.standard_error.loss_modulus, 2),
+    )
 }

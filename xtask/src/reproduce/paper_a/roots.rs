@@ -7,18 +7,16 @@ use cmod::two_point::EndMassEquation;
 use cmod::validity::{AcceptanceLimits, Violation};
 use cmod::{ModulusEstimate, ModulusLine, Solver, Specimen, TwoPoint};
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rodwave::digits::significant;
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{EndAccelerationTest, Specimen as Rig};
 use rodwave::medium::Medium;
 use rodwave::modulus::PowerLawPropagation;
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::{Error, Table, table_of};
 use super::rig::SEED;
+use testbed::noise::Noise;
 use testbed::papers::paper_a::{PaperA, Test};
 use testbed::papers::paper_e::PaperE;
 
@@ -66,11 +64,7 @@ pub(crate) struct Series {
 }
 
 pub(crate) fn wrong_roots(paper: &PaperA, of_polyamide: &PaperE) -> Result<Vec<Wrong>, Error> {
-    let test = paper
-        .tests
-        .iter()
-        .find(|test| test.name == "10")
-        .ok_or("Table 2 of paper A has no Test 10")?;
+    let test = super::named(paper, "10")?;
     let without_mass = Specimen {
         accelerometer_mass: 1.0,
         ..test.specimen(paper)
@@ -97,18 +91,13 @@ pub(crate) fn wrong_roots(paper: &PaperA, of_polyamide: &PaperE) -> Result<Vec<W
         .iter()
         .map(|f| rod.acceleration_ratio(TAU * f))
         .collect::<Result<_, _>>()?;
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut random = Noise::seeded(SEED);
     NOISES
         .into_iter()
         .map(|noise| {
-            let mut circular = || {
-                let mut part = || -> f64 { StandardNormal.sample(&mut random) };
-                let (re, im) = (part(), part());
-                Complex64::new(re, im) * 0.5_f64.sqrt()
-            };
             let ratio: Vec<Complex64> = exact
                 .iter()
-                .map(|psi| psi + noise * psi.norm() * circular())
+                .map(|psi| psi + noise * psi.norm() * random.circular(1.0))
                 .collect();
             let variance: Vec<f64> = exact
                 .iter()
@@ -180,11 +169,6 @@ pub(crate) fn series(paper: &PaperA) -> Result<Vec<Series>, Error> {
         .collect()
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a thousand lines"
-)]
 fn series_of(paper: &PaperA, test: &Test) -> Result<Series, Error> {
     let specimen = test.specimen(paper);
     let medium = Medium::new(specimen.density, test.law()?)?;
@@ -248,51 +232,26 @@ fn series_of(paper: &PaperA, test: &Test) -> Result<Series, Error> {
 }
 
 pub(crate) fn wrong_table(rows: &[Wrong]) -> Table {
-    let mut table = Table::new(&[
-        "noise of Ψ, %",
-        "wrong root by eq. 5, lines",
-        "of these, unnoticed by (i) to (iii)",
-        "wrong root by continuation, lines",
-        "of these, unnoticed",
-        "lines with two roots merged by noise",
-    ]);
-    for row in rows {
-        table.row([
-            format!("{}", 100.0 * row.noise),
-            row.wrong[0].to_string(),
-            row.unnoticed[0].to_string(),
-            row.wrong[1].to_string(),
-            row.unnoticed[1].to_string(),
-            row.ambiguous.to_string(),
-        ]);
-    }
-    table
+    table_of!(rows, |row|
+        "noise of Ψ, %" => 100.0 * row.noise,
+        "wrong root by eq. 5, lines" => row.wrong[0],
+        "of these, unnoticed by (i) to (iii)" => row.unnoticed[0],
+        "wrong root by continuation, lines" => row.wrong[1],
+        "of these, unnoticed" => row.unnoticed[1],
+        "lines with two roots merged by noise" => row.ambiguous,
+    )
 }
 
 pub(crate) fn series_table(rows: &[Series]) -> Table {
-    let mut table = Table::new(&[
-        "test",
-        "μ",
-        "lines that fulfil (i) to (iii)",
-        "accepted by the criterion of one third",
-        "first rejected line, Hz",
-        "difference of E' on accepted lines, %",
-        "of E'', %",
-        "difference of E' on all lines, %",
-        "of E'' on all lines, %",
-    ]);
-    for row in rows {
-        table.row([
-            row.test.clone(),
-            significant(row.mass_ratio, 2),
-            row.lines.to_string(),
-            row.accepted.to_string(),
-            row.refused_hz.map_or("none".into(), |f| format!("{f:.0}")),
-            significant(100.0 * row.of_accepted[0], 2),
-            significant(100.0 * row.of_accepted[1], 2),
-            significant(100.0 * row.of_all[0], 2),
-            significant(100.0 * row.of_all[1], 2),
-        ]);
-    }
-    table
+    table_of!(rows, |row|
+        "test" => row.test,
+        "μ" => significant(row.mass_ratio, 2),
+        "lines that fulfil (i) to (iii)" => row.lines,
+        "accepted by the criterion of one third" => row.accepted,
+        "first rejected line, Hz" => row.refused_hz.map_or("none".into(), |f| format!("{f:.0}")),
+        "difference of E' on accepted lines, %" => significant(100.0 * row.of_accepted[0], 2),
+        "of E'', %" => significant(100.0 * row.of_accepted[1], 2),
+        "difference of E' on all lines, %" => significant(100.0 * row.of_all[0], 2),
+        "of E'' on all lines, %" => significant(100.0 * row.of_all[1], 2),
+    )
 }

@@ -1,10 +1,11 @@
 //! Linearity: three swing angles for one specimen.
 
 use cmod::Solver;
+use rodwave::digits::significant;
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::number::above;
+use super::super::{Error, Table, table_of};
 use super::rig::{SEED, VirtualTest};
 use testbed::papers::paper_a::PaperA;
 
@@ -27,11 +28,7 @@ pub(crate) struct Row {
 }
 
 pub(crate) fn all(paper: &PaperA) -> Result<Vec<Row>, Error> {
-    let test = paper
-        .tests
-        .iter()
-        .find(|test| test.name == "6")
-        .ok_or("Table 2 of paper A has no Test 6")?;
+    let test = super::named(paper, "6")?;
     let rig = VirtualTest::new(paper, test, test.law()?)?;
     let velocity =
         |angle: f64| 2.0 * (0.5 * angle).sin() * (GRAVITY * paper.pendulum_length).sqrt();
@@ -72,27 +69,12 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Row>, Error> {
 }
 
 pub(crate) fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new(&[
-        "swing angle, °",
-        "hammer, m/s",
-        "difference of Ψ from that at 10°, without noise",
-        "valid lines",
-        "mean difference of E', %",
-        "r.m.s. difference over its standard error",
-    ]);
-    for row in rows {
-        table.row([
-            format!("{}", row.degrees),
-            significant(row.velocity, 3),
-            if row.at_rounding < 1e-9 {
-                "< 1e-9".into()
-            } else {
-                format!("{:.0e}", row.at_rounding)
-            },
-            row.valid.to_string(),
-            significant(100.0 * row.mean, 1),
-            format!("{:.2}", row.over_error),
-        ]);
-    }
-    table
+    table_of!(rows, |row|
+        "swing angle, °" => row.degrees,
+        "hammer, m/s" => significant(row.velocity, 3),
+        "difference of Ψ from that at 10°, without noise" => above(row.at_rounding, 1e-9),
+        "valid lines" => row.valid,
+        "mean difference of E', %" => significant(100.0 * row.mean, 1),
+        "r.m.s. difference over its standard error" => format!("{:.2}", row.over_error),
+    )
 }

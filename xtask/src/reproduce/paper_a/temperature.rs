@@ -4,14 +4,15 @@ use std::f64::consts::TAU;
 
 use cmod::{ModulusEstimate, ModulusLine, Solver};
 use rayon::prelude::*;
+use rodwave::digits::significant;
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::coverage::within;
+use super::super::{Error, Table, table_of};
 use super::rig::{SEED, VirtualTest};
-use super::room_temperature::{is_admissible, valid_band, within};
+use super::room_temperature::{is_admissible, valid_band};
 use testbed::papers::paper_a::PaperA;
 
 /// 0 °C in K.
@@ -57,17 +58,8 @@ fn law(celsius: f64) -> Result<ConstantQ, Error> {
     )?)
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a dozen transcribed temperatures"
-)]
 pub(crate) fn all(paper: &PaperA) -> Result<Vec<Heated>, Error> {
-    let test = paper
-        .tests
-        .iter()
-        .find(|test| test.name == "6")
-        .ok_or("Table 2 of paper A has no Test 6")?;
+    let test = super::named(paper, "6")?;
     let steps =
         ((paper.highest_temperature - paper.lowest_temperature) / paper.temperature_step).round();
     (0..=steps as u32)
@@ -125,37 +117,21 @@ fn mean(lines: &[&ModulusLine], value: &dyn Fn(&ModulusLine) -> (f64, f64)) -> (
 }
 
 pub(crate) fn table(heated: &[Heated]) -> Table {
-    let mut table = Table::new(&[
-        "temperature, °C",
-        "valid lines",
-        "from, Hz",
-        "to, Hz",
-        "E' at 1 kHz, GPa",
-        "of the law",
-        "E'', GPa",
-        "of the law",
-        "E''/E'",
-        "of the law",
-        "within 2 s.e., %",
-    ]);
-    for one in heated {
-        let row = &one.row;
-        let mut cells = vec![
-            format!("{:.0}", row.celsius),
-            row.valid.to_string(),
-            format!("{:.0}", row.lowest_hz),
-            format!("{:.0}", row.highest_hz),
-        ];
-        for (part, scale) in [1e-9, 1e-9, 1.0].into_iter().enumerate() {
-            cells.push(format!(
-                "{:.4} ± {}",
-                scale * row.values[part],
-                significant(scale * row.errors[part], 1)
-            ));
-            cells.push(format!("{:.4}", scale * row.exact[part]));
-        }
-        cells.push(format!("{:.0}", 100.0 * row.within_two));
-        table.row(cells);
-    }
-    table
+    let found = |row: &Row, part: usize, scale: f64| {
+        let error = significant(scale * row.errors[part], 1);
+        format!("{:.4} ± {error}", scale * row.values[part])
+    };
+    table_of!(heated, |Heated { row, .. }|
+        "temperature, °C" => format!("{:.0}", row.celsius),
+        "valid lines" => row.valid,
+        "from, Hz" => format!("{:.0}", row.lowest_hz),
+        "to, Hz" => format!("{:.0}", row.highest_hz),
+        "E' at 1 kHz, GPa" => found(row, 0, 1e-9),
+        "of the law" => format!("{:.4}", 1e-9 * row.exact[0]),
+        "E'', GPa" => found(row, 1, 1e-9),
+        "of the law" => format!("{:.4}", 1e-9 * row.exact[1]),
+        "E''/E'" => found(row, 2, 1.0),
+        "of the law" => format!("{:.4}", row.exact[2]),
+        "within 2 s.e., %" => format!("{:.0}", 100.0 * row.within_two),
+    )
 }

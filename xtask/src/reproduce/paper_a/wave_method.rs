@@ -7,20 +7,18 @@ use cmod::validity::AcceptanceLimits;
 use cmod::{ModulusEstimate, PulsedRod, RatioOfSpectra, SeparatePulses};
 use labio::noise_of_cut_pulse;
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::chain::{AnalyticChain, Termination};
+use rodwave::digits::significant;
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{Pulse, RaisedCosine};
 use rodwave::medium::Medium;
 use rodwave::synthesis::DampedSynthesis;
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::{Error, Table, table_of};
 use super::rig::{BLOW, NOISE, SEED};
 use super::room_temperature::{Evaluated, valid_band};
+use testbed::noise::Noise;
 use testbed::papers::paper_a::PaperA;
 
 /// Distances of the two sections from the struck end, in m. These and the constants below are not
@@ -63,11 +61,6 @@ pub(crate) fn all(paper: &PaperA, tests: &[Evaluated]) -> Result<Vec<Comparison>
         .collect()
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "some hundred samples, ten tests, some dozen lines"
-)]
 fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Error> {
     let medium: &Medium<_> = &test.medium;
     let chain = AnalyticChain::analytic_from_impact_face()
@@ -79,7 +72,7 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
     let speed = medium.phase_velocity(TAU * paper.highest_hz);
     let count = (paper.highest_hz / STEP_HZ).round() as u32;
     let frequency_hz: Vec<f64> = (2..=count).map(|j| STEP_HZ * f64::from(j)).collect();
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = Noise::seeded(seed);
     let (mut spectra, mut noises) = (Vec::new(), Vec::new());
     for distance in SECTIONS {
         let section = chain.section(0, distance)?;
@@ -95,13 +88,7 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
             .iter()
             .fold(0.0_f64, |peak, value| peak.max(value.abs()));
         let of_mean = NOISE * peak / paper.averaged.sqrt();
-        let window: Vec<f64> = clean
-            .iter()
-            .map(|value| {
-                let noise: f64 = StandardNormal.sample(&mut random);
-                value + of_mean * noise
-            })
-            .collect();
+        let window = random.added_to(clean, of_mean);
         spectra.push(
             frequency_hz
                 .iter()
@@ -166,28 +153,15 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
 }
 
 pub(crate) fn table(comparisons: &[Comparison]) -> Table {
-    let mut table = Table::new(&[
-        "rod of test",
-        "valid lines of the pulse method",
-        "from, Hz",
-        "to, Hz",
-        "greatest error of its E', %",
-        "of E''/E', %",
-        "difference from the two-point method over its standard error: E'",
-        "E''",
-    ]);
-    for one in comparisons {
-        let row = &one.row;
-        table.row([
-            row.test.clone(),
-            row.valid.to_string(),
-            format!("{:.0}", row.lowest_hz),
-            format!("{:.0}", row.highest_hz),
-            significant(100.0 * row.worst[0], 2),
-            significant(100.0 * row.worst[1], 2),
+    table_of!(comparisons, |Comparison { row, .. }|
+        "rod of test" => row.test,
+        "valid lines of the pulse method" => row.valid,
+        "from, Hz" => format!("{:.0}", row.lowest_hz),
+        "to, Hz" => format!("{:.0}", row.highest_hz),
+        "greatest error of its E', %" => significant(100.0 * row.worst[0], 2),
+        "of E''/E', %" => significant(100.0 * row.worst[1], 2),
+        "difference from the two-point method over its standard error: E'" =>
             format!("{:.2}", row.over_error[0]),
-            format!("{:.2}", row.over_error[1]),
-        ]);
-    }
-    table
+        "E''" => format!("{:.2}", row.over_error[1]),
+    )
 }

@@ -6,7 +6,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use cmod::branch::{Branch, FreeEndRoot};
 use serde::Serialize;
 
-use super::super::{Error, Table};
+use super::super::number::above;
+use super::super::{Error, Table, table_of};
 use super::rig::{GAUGE_DISTANCE, polypropylene};
 use testbed::papers::paper_b::PaperB;
 
@@ -71,29 +72,13 @@ pub(crate) fn all(paper: &PaperB) -> Result<Vec<Row>, Error> {
 }
 
 pub(crate) fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new(&[
-        "quarter turn of ka",
-        "from, Hz",
-        "sin φ",
-        "cos φ",
-        "s",
-        "n",
-        "greatest error of γa",
-    ]);
-    for row in rows {
-        table.row([
-            row.quarter_turn.to_string(),
-            format!("{:.0}", row.from_hz),
-            row.sin_phase.into(),
-            row.cos_phase.into(),
-            format!("{:+}", row.s),
-            row.n.to_string(),
-            if row.error < 1e-12 {
-                "< 1e-12".into()
-            } else {
-                format!("{:.0e}", row.error)
-            },
-        ]);
-    }
-    table
+    table_of!(rows, |row|
+        "quarter turn of ka" => row.quarter_turn,
+        "from, Hz" => format!("{:.0}", row.from_hz),
+        "sin φ" => row.sin_phase,
+        "cos φ" => row.cos_phase,
+        "s" => format!("{:+}", row.s),
+        "n" => row.n,
+        "greatest error of γa" => above(row.error, 1e-12),
+    )
 }

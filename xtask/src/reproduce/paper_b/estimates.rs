@@ -4,11 +4,14 @@
 use std::f64::consts::TAU;
 
 use cmod::validity::AcceptanceLimits;
-use cmod::{GaugeSpectra, GaugedRod, ModulusEstimate, ThreePoint, TwoPoint, two_point};
+use cmod::{
+    GaugeSpectra, GaugedRod, ModulusEstimate, ModulusLine, ThreePoint, TwoPoint, two_point,
+};
 use num_complex::Complex64;
 use serde::Serialize;
 
 use super::super::Error;
+use super::super::coverage::within;
 use super::rig::{
     ACCELEROMETER, GAUGE_DISTANCE, Mounting, SEED, STRAIN_NOISE, acceleration_ratios, measured,
     polypropylene, positions, strains,
@@ -44,11 +47,6 @@ pub(crate) struct Line {
     pub(crate) truth: Complex64,
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "two dozen lines"
-)]
 pub(crate) fn frequencies(paper: &PaperB) -> Vec<f64> {
     let count = ((paper.highest_hz - paper.lowest_hz) / STEP_HZ).round() as u32;
     (0..=count)
@@ -81,11 +79,6 @@ pub(crate) fn all(paper: &PaperB) -> Result<Vec<Series>, Error> {
     Ok(series)
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "ten tests"
-)]
 fn tests(paper: &PaperB) -> usize {
     paper.averaged as usize
 }
@@ -124,6 +117,7 @@ pub(crate) fn in_situ(
 
 fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Series, Error> {
     let medium = polypropylene(paper)?;
+    let exact = |line: &ModulusLine| medium.modulus(TAU * line.frequency_hz);
     let lines: Vec<Line> = estimate
         .lines()
         .iter()
@@ -134,28 +128,14 @@ fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Se
             storage_error: line.standard_error.storage_modulus,
             loss_error: line.standard_error.loss_modulus,
             valid: line.validity.is_valid(),
-            truth: medium.modulus(TAU * line.frequency_hz),
+            truth: exact(line),
         })
         .collect();
-    let deviations: Vec<f64> = lines
-        .iter()
-        .filter(|line| line.valid)
-        .flat_map(|line| {
-            [
-                (line.storage_modulus - line.truth.re) / line.storage_error,
-                (line.loss_modulus - line.truth.im) / line.loss_error,
-            ]
-        })
-        .collect();
-    let within = |limit: f64| {
-        let count = deviations.iter().filter(|d| d.abs() < limit).count();
-        count as f64 / deviations.len().max(1) as f64
-    };
     Ok(Series {
         way,
         valid: lines.iter().filter(|line| line.valid).count(),
-        within_one: within(1.0),
-        within_two: within(2.0),
+        within_one: within(estimate, &exact, 1.0),
+        within_two: within(estimate, &exact, 2.0),
         lines,
     })
 }

@@ -4,9 +4,6 @@
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::chain::Termination;
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{EndAccelerationTest, HalfSine, Specimen};
@@ -15,6 +12,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 
 use super::super::Error;
+use testbed::noise::Noise;
 use testbed::papers::paper_b::PaperB;
 
 /// Distance a between the gauges, which the paper does not state. The distance is half a wavelength
@@ -123,26 +121,14 @@ pub(crate) fn acceleration_ratios(
         .iter()
         .map(|f| test.acceleration_ratio(TAU * f))
         .collect::<Result<_, _>>()?;
-    let mut random = ChaCha8Rng::seed_from_u64(SEED + 1000);
     let of_mean = ACCELERATION_NOISE / (tests as f64).sqrt();
     // noise of both channels over the acceleration of the free end: δΨ = (δa₁ - Ψ δa₂)/a₂
     let variance: Vec<f64> = exact
         .iter()
         .map(|psi| of_mean * of_mean * (1.0 + psi.norm_sqr()))
         .collect();
-    let ratios = exact
-        .iter()
-        .zip(&variance)
-        .map(|(psi, variance)| psi + circular(variance.sqrt(), &mut random))
-        .collect();
+    let ratios = Noise::seeded(SEED + 1000).on(&exact, &variance);
     Ok((ratios, variance))
-}
-
-/// Returns a circular Gaussian number with the root mean square `size`.
-fn circular(size: f64, random: &mut ChaCha8Rng) -> Complex64 {
-    let mut part = || -> f64 { StandardNormal.sample(&mut *random) };
-    let (re, im) = (part(), part());
-    Complex64::new(re, im) * (size * 0.5_f64.sqrt())
 }
 
 /// Returns the spectra of `tests` hits on the bar, with noise of `size` on every strain, as
@@ -153,18 +139,13 @@ pub(crate) fn measured(
     tests: usize,
     seed: u64,
 ) -> Vec<Vec<Vec<Complex64>>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    (0..tests)
-        .map(|_| {
-            strains
-                .iter()
-                .map(|spectrum| {
-                    spectrum
-                        .iter()
-                        .map(|value| value + circular(size, &mut random))
-                        .collect()
-                })
-                .collect()
-        })
-        .collect()
+    let mut random = Noise::seeded(seed);
+    let variance = vec![size * size; strains.first().map_or(0, Vec::len)];
+    let mut one = || {
+        strains
+            .iter()
+            .map(|spectrum| random.on(spectrum, &variance))
+            .collect()
+    };
+    (0..tests).map(|_| one()).collect()
 }

@@ -1,10 +1,10 @@
 //! Effect of the distance between the gauges on the error.
 
 use cmod::multi_point::advice::singular_frequencies;
+use rodwave::digits::significant;
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::{Error, Table, table_of};
 use super::estimates::in_situ;
 use super::rig::{Mounting, SEED, polypropylene, positions};
 use testbed::papers::paper_b::PaperB;
@@ -51,19 +51,10 @@ pub(crate) fn all(paper: &PaperB) -> Result<Vec<Distance>, Error> {
 }
 
 pub(crate) fn table(distances: &[Distance]) -> Table {
-    let mut table = Table::new(&[
-        "a, mm",
-        "median standard error of E', %",
-        "valid lines",
-        "ka = π at, Hz",
-    ]);
-    for row in distances {
-        table.row([
-            format!("{:.0}", 1e3 * row.distance),
-            significant(100.0 * row.deviation, 2),
-            row.valid.to_string(),
-            format!("{:.0}", row.singular_hz),
-        ]);
-    }
-    table
+    table_of!(distances, |row|
+        "a, mm" => format!("{:.0}", 1e3 * row.distance),
+        "median standard error of E', %" => significant(100.0 * row.deviation, 2),
+        "valid lines" => row.valid,
+        "ka = π at, Hz" => format!("{:.0}", row.singular_hz),
+    )
 }

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use cmod::recovery::ThreeElement;
+use rodwave::digits::significant;
 use serde::Serialize;
 
-use super::super::number::significant;
 use super::super::{Error, Table};
 use testbed::papers::paper_c::PaperC;
 

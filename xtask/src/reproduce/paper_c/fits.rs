@@ -5,10 +5,10 @@ use cmod::recovery::RecoveryTest;
 use cmod::recovery::fit::{
     ErrorScale, Estimate, RecoveryFit, Scale, SeriesModulus, Verdict, paper_procedure,
 };
+use rodwave::digits::{percent, significant};
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::{Error, Table, table_of};
 use testbed::papers::paper_c::PaperC;
 
 /// Fit by one method.
@@ -110,25 +110,25 @@ fn joint(
 }
 
 pub(crate) fn table(fits: &[Fit]) -> Table {
-    let mut table = Table::new(&["fit", "", "input", "found", "standard error", "verdict"]);
-    for fit in fits {
-        for parameter in &fit.parameters {
-            table.row([
-                fit.way.to_owned(),
-                parameter.symbol.into(),
-                significant(parameter.input, 4),
-                parameter.value.map_or("-".into(), |v| significant(v, 4)),
-                parameter
-                    .standard_error
-                    .map_or("-".into(), |e| match parameter.scale {
-                        Scale::Ratio => format!("{} %", significant(100.0 * e, 2)),
-                        Scale::Difference => significant(e, 2),
-                    }),
-                parameter.verdict.clone(),
-            ]);
-        }
+    let parameters = fits
+        .iter()
+        .flat_map(|fit| fit.parameters.iter().map(move |one| (fit.way, one)));
+    table_of!(parameters, |(way, parameter)|
+        "fit" => way,
+        "" => parameter.symbol,
+        "input" => significant(parameter.input, 4),
+        "found" => parameter.value.map_or("-".into(), |v| significant(v, 4)),
+        "standard error" => parameter.standard_error.map_or("-".into(), |e| in_scale(e, parameter.scale)),
+        "verdict" => parameter.verdict,
+    )
+}
+
+/// Writes a standard error in per cent for a ratio, or as the difference of an exponent.
+fn in_scale(error: f64, scale: Scale) -> String {
+    match scale {
+        Scale::Ratio => percent(error),
+        Scale::Difference => significant(error, 2),
     }
-    table
 }
 
 pub(crate) fn conclusion(fits: &[Fit]) -> Vec<String> {
@@ -137,25 +137,13 @@ pub(crate) fn conclusion(fits: &[Fit]) -> Vec<String> {
             let found: Vec<String> = fit
                 .parameters
                 .iter()
-                .map(|p| match (p.value, p.standard_error, p.scale) {
-                    (Some(value), Some(error), Scale::Ratio) => {
-                        format!(
-                            "{} = {} ± {} %",
-                            p.symbol,
-                            significant(value, 3),
-                            significant(100.0 * error, 2)
-                        )
+                .map(|p| match (p.value, p.standard_error) {
+                    (Some(value), Some(error)) => {
+                        let error = in_scale(error, p.scale);
+                        format!("{} = {} ± {error}", p.symbol, significant(value, 3))
                     }
-                    (Some(value), Some(error), Scale::Difference) => {
-                        format!(
-                            "{} = {} ± {}",
-                            p.symbol,
-                            significant(value, 3),
-                            significant(error, 2)
-                        )
-                    }
-                    (Some(value), None, _) => format!("{} = {}", p.symbol, significant(value, 3)),
-                    (None, ..) => format!("{} {}", p.symbol, p.verdict),
+                    (Some(value), None) => format!("{} = {}", p.symbol, significant(value, 3)),
+                    (None, _) => format!("{} {}", p.symbol, p.verdict),
                 })
                 .collect();
             format!("Fit, {}: {}.", fit.way, found.join("; "))

@@ -2,11 +2,9 @@
 //! the closed form that is fitted to them.
 
 use cmod::recovery::{LossFactorReadings, RecoveryTest};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::super::Error;
+use testbed::noise::Noise;
 use testbed::papers::paper_c::PaperC;
 
 /// Recovery times of the measurements, in s.
@@ -37,7 +35,7 @@ fn march(paper: &PaperC, mut strain: f64, stress: f64, duration: f64) -> f64 {
 
 /// Returns the creep tests, with noisy loss factors.
 pub(crate) fn of_creep_tests(paper: &PaperC) -> Result<Vec<RecoveryTest>, Error> {
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut random = Noise::seeded(SEED);
     let mut tests = Vec::new();
     for load in &paper.tests {
         if load.stress_amplitude.is_some() {
@@ -52,8 +50,9 @@ pub(crate) fn of_creep_tests(paper: &PaperC) -> Result<Vec<RecoveryTest>, Error>
             let fluidity = paper.coefficient
                 * (paper.exponent + 1.0)
                 * (paper.parallel_modulus * strain).powf(paper.exponent);
-            let noise: f64 = StandardNormal.sample(&mut random);
-            change.push(paper.series_modulus * fluidity / paper.omega() + STANDARD_ERROR * noise);
+            change.push(
+                paper.series_modulus * fluidity / paper.omega() + STANDARD_ERROR * random.normal(),
+            );
         }
         tests.push(RecoveryTest::new(
             format!("Test {}", load.test),

@@ -6,10 +6,10 @@
 //! significant; and an additional row in which m is significant.
 
 use maxwellid::{Noise, Scale, Verdict};
+use rodwave::digits::{percent, significant};
 use serde::Serialize;
 
 use super::super::Error;
-use super::super::number::significant;
 use super::identify::{
     Outcome, Parameter, Settings, identify, influences, modulus_of, stated, value_of,
 };
@@ -215,7 +215,7 @@ pub(crate) fn standard_error(parameter: &Parameter) -> String {
     match (parameter.standard_error, parameter.scale) {
         (None, _) => "-".into(),
         (Some(error), Scale::Ratio) if error < 1e-7 => "< 1e-5 %".into(),
-        (Some(error), Scale::Ratio) => format!("{} %", significant(100.0 * error, 2)),
+        (Some(error), Scale::Ratio) => percent(error),
         (Some(error), Scale::Difference) if error < 1e-7 => "< 1e-7".into(),
         (Some(error), Scale::Difference) => significant(error, 2),
     }

@@ -35,31 +35,19 @@ pub(crate) struct Row {
     pub(crate) selection: Verdict,
 }
 
-/// Origin of the data of a row.
-#[derive(Debug, Clone)]
-enum Data {
-    /// Law of Table 4, with significant damping.
-    Law,
-    /// Linear rod of constant loss.
-    FlatLoss(flat_loss::Job),
-}
-
 /// Row that is to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     material: IdentifiedMaterial,
     test: RodTestConditions,
-    data: Data,
+    /// Linear rod that makes the data; otherwise, they are those of the law of Table 4, with
+    /// significant damping.
+    constant_loss: Option<flat_loss::Job>,
     printed: Vec<f64>,
     samples: usize,
 }
 
 /// Returns the jobs. The first test of each material is used for the choice of the model.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "about sixty"
-)]
 pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
     let flat = flat_loss::jobs(paper);
     let mut jobs = Vec::new();
@@ -69,14 +57,12 @@ pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
         };
         let linear = flat
             .iter()
-            .find(|job| job.material.material == material.material)
-            .cloned()
-            .map(Data::FlatLoss);
-        for data in std::iter::once(Data::Law).chain(linear) {
+            .find(|job| job.material.material == material.material);
+        for constant_loss in std::iter::once(None).chain(linear.map(Some)) {
             jobs.push(Job {
                 material: material.clone(),
                 test: test.clone(),
-                data,
+                constant_loss: constant_loss.cloned(),
                 printed: paper
                     .adequacy
                     .iter()
@@ -92,13 +78,10 @@ pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
 
 pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     let conditions = conditions(&job.test, modulus_of(job.material.values));
-    let mut noise = virtual_test::Noise::of_the_recorder(
-        rig.striker.velocity,
-        virtual_test::SEED + u64::from(job.test.test),
-    );
-    let test = match &job.data {
-        Data::Law => rig.driven(&conditions, job.material.values, &mut noise)?,
-        Data::FlatLoss(flat) => rig.flat_loss(&conditions, &flat.law()?, &mut noise)?,
+    let mut noise = rig.noise(&job.test);
+    let test = match &job.constant_loss {
+        None => rig.driven(&conditions, job.material.values, &mut noise)?,
+        Some(flat) => rig.flat_loss(&conditions, &flat.law()?, &mut noise)?,
     };
     let tests = [test];
     let weighed = virtual_test::stating_the_noise(&tests, rig.striker.velocity)?;
@@ -106,11 +89,11 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     let comparison = Selection::new(Candidate::standard())?.compare(&weighed)?;
     Ok(Row {
         material: job.material.material.clone(),
-        data: match job.data {
-            Data::Law => "the law of Table 4",
-            Data::FlatLoss(_) => "constant loss",
+        data: match job.constant_loss {
+            None => "the law of Table 4",
+            Some(_) => "constant loss",
         },
-        truth: matches!(job.data, Data::Law).then(|| job.material.model.symbol()),
+        truth: (job.constant_loss.is_none()).then(|| job.material.model.symbol()),
         printed: job.printed.clone(),
         least_mean_square,
         increment,

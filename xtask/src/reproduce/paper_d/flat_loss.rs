@@ -99,13 +99,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
     let tests: Vec<RodTest> = job
         .tests
         .iter()
-        .map(|test| {
-            let mut noise = virtual_test::Noise::of_the_recorder(
-                rig.striker.velocity,
-                virtual_test::SEED + u64::from(test.test),
-            );
-            rig.flat_loss(&conditions(test, modulus), &law, &mut noise)
-        })
+        .map(|test| rig.flat_loss(&conditions(test, modulus), &law, &mut rig.noise(test)))
         .collect::<Result<_, Error>>()?;
     let settings = Settings {
         cell: Some(CELL),

@@ -94,7 +94,6 @@ pub(crate) struct Job {
     material: IdentifiedMaterial,
     tests: Vec<RodTestConditions>,
     printed_errors: Vec<f64>,
-    seed: u64,
 }
 
 /// Returns the tests from which a material is identified, and its errors of Table 5. These are the
@@ -131,7 +130,6 @@ pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
                 material: material.clone(),
                 tests,
                 printed_errors,
-                seed: virtual_test::SEED,
             });
         }
     }
@@ -145,10 +143,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         .iter()
         .map(|test| {
             let conditions = conditions(test, super::identify::modulus_of(parameters));
-            let mut noise = virtual_test::Noise::of_the_recorder(
-                rig.striker.velocity,
-                job.seed + u64::from(test.test),
-            );
+            let mut noise = rig.noise(test);
             match job.excitation {
                 Excitation::AsRecorded => rig.driven(&conditions, parameters, &mut noise),
                 Excitation::Struck | Excitation::ThroughRecorder => {
@@ -249,7 +244,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
                 }
             },
             100.0 * NOISE,
-            job.seed
+            virtual_test::SEED
         ),
         lines,
         errors: outcomes.iter().map(|o| o.relative_error).collect(),

@@ -55,13 +55,6 @@ impl Noise {
         Self(None)
     }
 
-    /// Creates white noise with a standard deviation of [`NOISE`] times the velocity
-    /// `impact_velocity` \[m/s\].
-    pub(crate) fn of_the_recorder(impact_velocity: f64, seed: u64) -> Self {
-        let noise = testbed::noise::Noise::seeded(seed);
-        Self(Some((noise, NOISE * impact_velocity)))
-    }
-
     fn added_to(&mut self, history: &[f64]) -> Vec<f64> {
         match &mut self.0 {
             Some((noise, deviation)) => noise.added_to(history, *deviation),
@@ -123,6 +116,12 @@ impl Rig {
             },
             sampling_rate: paper.sampling_rate,
         }
+    }
+
+    /// Creates the white noise of a test, with a standard deviation of [`NOISE`] times V0.
+    pub(crate) fn noise(&self, test: &paper_d::RodTestConditions) -> Noise {
+        let noise = testbed::noise::Noise::seeded(SEED + u64::from(test.test));
+        Noise(Some((noise, NOISE * self.striker.velocity)))
     }
 
     pub(crate) fn recorder(&self) -> Recorder {
@@ -289,9 +288,10 @@ impl Rig {
                 cell,
                 ..conditions.clone()
             };
-            let response =
-                DirectProblem::new(rod(conditions, modulus, law)?, cells(&of_inversion))?
-                    .free_end_velocity(&excitation, &self.times(&record))?;
+            let (length, density) = (conditions.section_distance, conditions.density);
+            let rod = InelasticRod::new(length, density, modulus, law)?;
+            let response = DirectProblem::new(rod, cells(&of_inversion))?
+                .free_end_velocity(&excitation, &self.times(&record))?;
             self.test(
                 conditions,
                 &record,
@@ -307,24 +307,6 @@ impl Rig {
     }
 }
 
-fn rod<L: InelasticLaw>(
-    conditions: &Conditions,
-    modulus: f64,
-    law: L,
-) -> Result<InelasticRod<L>, Error> {
-    Ok(InelasticRod::new(
-        conditions.section_distance,
-        conditions.density,
-        modulus,
-        law,
-    )?)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "lengths are positive; the ratio is a cell count"
-)]
 fn cells(conditions: &Conditions) -> usize {
     (conditions.section_distance / conditions.cell).ceil() as usize
 }

@@ -237,11 +237,6 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     };
     let measured_march = march(&body)?;
     let printed = paper.printed(face)?;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a transcribed whole number, 2048"
-    )]
     let line_band = LineBand {
         highest_hz: paper.predicted_highest_hz,
         n_samples: paper.predicted_samples as usize,

@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 
 use impulse::Impact;
 use num_complex::Complex64;
+use rodwave::digits::significant;
 use serde::Serialize;
 
-use super::super::number::significant;
-use super::super::{Error, Table};
+use super::super::number::above;
+use super::super::{Error, Table, table_of};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
@@ -168,29 +169,14 @@ pub(crate) fn jumps(paper: &PaperE) -> Result<Vec<Jump>, Error> {
 }
 
 pub(crate) fn table(lines: &[Line]) -> Table {
-    let mut table = Table::new(&[
-        "face",
-        "frequency, Hz",
-        "Re G, s/kg",
-        "Im G, s/kg",
-        "from the reference",
-        "from eqs. 8, 9",
-    ]);
-    for line in lines {
-        let mut cells = vec![line.face.to_owned(), format!("{:.0}", line.frequency_hz)];
-        cells.extend(line.mobility.map(|part| format!("{part:.10e}")));
-        cells.extend(line.at_rounding.map(difference));
-        table.row(cells);
-    }
-    table
-}
-
-fn difference(value: f64) -> String {
-    if value < 1e-11 {
-        "< 1e-11".into()
-    } else {
-        format!("{value:.0e}")
-    }
+    table_of!(lines, |line|
+        "face" => line.face,
+        "frequency, Hz" => format!("{:.0}", line.frequency_hz),
+        "Re G, s/kg" => format!("{:.10e}", line.mobility[0]),
+        "Im G, s/kg" => format!("{:.10e}", line.mobility[1]),
+        "from the reference" => above(line.at_rounding[0], 1e-11),
+        "from eqs. 8, 9" => above(line.at_rounding[1], 1e-11),
+    )
 }
 
 pub(crate) fn slow_table(rows: &[Slow]) -> Table {
@@ -211,23 +197,13 @@ pub(crate) fn slow_table(rows: &[Slow]) -> Table {
 }
 
 pub(crate) fn jump_table(rows: &[Jump]) -> Table {
-    let mut table = Table::new(&[
-        "face",
-        "V/(1/Z_1 + 1/Z_2), N",
-        "first 0.1 µs, N",
-        "greatest force, smoothed, N",
-        "reference, N",
-    ]);
-    for row in rows {
-        table.row([
-            row.face.into(),
-            format!("{:.1}", row.from_impedances),
-            format!("{:.1}", row.first_step),
-            format!("{:.1}", row.rounded_peak),
-            format!("{:.0}", row.reference_peak),
-        ]);
-    }
-    table
+    table_of!(rows, |row|
+        "face" => row.face,
+        "V/(1/Z_1 + 1/Z_2), N" => format!("{:.1}", row.from_impedances),
+        "first 0.1 µs, N" => format!("{:.1}", row.first_step),
+        "greatest force, smoothed, N" => format!("{:.1}", row.rounded_peak),
+        "reference, N" => format!("{:.0}", row.reference_peak),
+    )
 }
 
 /// Describes the limits in words.
