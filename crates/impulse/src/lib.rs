@@ -196,7 +196,7 @@ pub use unilateral::ContactInterval;
 
 // Crates whose types appear in signatures, re-exported so that a dependent of this crate can use
 // the matching version.
-pub use {faer, num_complex, rand, rodwave};
+pub use {num_complex, rand, rodwave};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

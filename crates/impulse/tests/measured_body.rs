@@ -321,7 +321,6 @@ fn what_cannot_be_is_refused() {
         text(body.clone().with_variance(&[0.0; 3])),
         "the variance of the mobility has 3 elements, expected 1025"
     );
-    assert!(body.completed_below(100.0, 105.0).is_err());
     assert_eq!(
         lines_of(&body, 20.0, 100).unwrap_err().to_string(),
         "the lines of the measured body are 10 Hz apart, expected 20 Hz as for the other body"
@@ -333,22 +332,6 @@ fn what_cannot_be_is_refused() {
             body.mobility_at(s),
             Err(ImpulseError::OutsideDomain { .. })
         ));
-    }
-    // an accelerance gives no mobility at 0 Hz
-    assert!(MeasuredBody::from_accelerance(&exact, STEP_HZ, LowFrequency::Measured).is_err());
-}
-
-#[test]
-fn accelerance_and_mobility_are_the_same_body() {
-    let exact = exact();
-    let accelerance: Vec<Complex64> = exact
-        .iter()
-        .enumerate()
-        .map(|(line, value)| value * Complex64::new(0.0, TAU * STEP_HZ * line as f64))
-        .collect();
-    let body = MeasuredBody::from_accelerance(&accelerance, STEP_HZ, weighed(mass())).unwrap();
-    for (found, exact) in body.mobility().iter().zip(&exact) {
-        assert!((found - exact).norm() <= 1e-15 * exact.norm());
     }
 }
 

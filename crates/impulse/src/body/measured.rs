@@ -13,9 +13,6 @@ use crate::error::{
     check_samples,
 };
 
-/// Fewest lines for the fit of [`MeasuredBody::completed_below`].
-const FEWEST_LINES: usize = 3;
-
 /// A weighed mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeighedMass {
@@ -137,34 +134,6 @@ impl MeasuredBody {
             delay_error: 0.0,
             first_measured: 1,
         })
-    }
-
-    /// Creates a body with this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines
-    /// `frequency_step_hz` apart; the line at 0 Hz is not read and `low` must not be
-    /// [`LowFrequency::Measured`].
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`MeasuredBody::from_mobility`].
-    pub fn from_accelerance(
-        accelerance: &[Complex64],
-        frequency_step_hz: f64,
-        low: LowFrequency,
-    ) -> Result<Self, ImpulseError> {
-        if low == LowFrequency::Measured {
-            return Err(ImpulseError::MissingZeroLine {
-                what: "mobility from a measured accelerance",
-            });
-        }
-        check_positive("frequency step [Hz]", frequency_step_hz)?;
-        let lines = accelerance.iter().enumerate();
-        let mobility: Vec<Complex64> = lines
-            .map(|(line, value)| match line {
-                0 => Complex64::ZERO,
-                _ => value / Complex64::new(0.0, TAU * frequency_step_hz * line as f64),
-            })
-            .collect();
-        Self::from_mobility(&mobility, frequency_step_hz, low)
     }
 
     /// Sets the `variance` of the mobility \[(m/(N s))²\], one entry per line; the entry at 0 Hz is
@@ -438,64 +407,6 @@ impl MeasuredBody {
     /// ω [rad/s] of a line.
     pub(super) fn omega(&self, line: usize) -> f64 {
         TAU * self.frequency_step_hz * line as f64
-    }
-
-    /// Returns the body with its lines below `from_hz` replaced by those of the weighed mass,
-    /// $`i\omega G = (1 - e\omega^2)/M`$, where $`e`$ is fitted to the lines from `from_hz` to
-    /// `to_hz`. The relative variance of the replaced lines becomes that of the mass.
-    ///
-    /// # Validity
-    ///
-    /// `to_hz` must be well below the first antiresonance: the neglected terms are of fourth order
-    /// in the frequency.
-    ///
-    /// # Errors
-    ///
-    /// [`ImpulseError::MissingZeroLine`] for a body that is not free;
-    /// [`ImpulseError::EmptyInterval`]; [`ImpulseError::TooShort`] with fewer than three lines
-    /// in the band.
-    pub fn completed_below(&self, from_hz: f64, to_hz: f64) -> Result<Self, ImpulseError> {
-        let LowFrequency::Free(weighed) = self.low else {
-            return Err(ImpulseError::MissingZeroLine {
-                what: "body to be completed by its mass",
-            });
-        };
-        check_positive("start of the band of a nearly rigid body [Hz]", from_hz)?;
-        crate::error::check_interval("band of a nearly rigid body [Hz]", from_hz, to_hz)?;
-        // least squares for (Re(iωGM) - 1) = -e ω²
-        let (mut moment, mut square, mut found) = (0.0, 0.0, 0);
-        // frequencies relative to the last line, so that no fourth power overflows or underflows
-        let unit = self.omega(self.mobility.len() - 1);
-        for (line, value) in self.mobility.iter().enumerate().skip(1) {
-            let frequency_hz = line as f64 * self.frequency_step_hz;
-            if frequency_hz >= from_hz && frequency_hz <= to_hz {
-                let omega = self.omega(line);
-                let excess = (Complex64::new(0.0, omega) * value).re * weighed.mass - 1.0;
-                moment -= excess * (omega / unit).powi(2);
-                square += (omega / unit).powi(4);
-                found += 1;
-            }
-        }
-        check_enough("band of a nearly rigid body", found, FEWEST_LINES)?;
-        let elastic = moment / square;
-        let mut completed = self.clone();
-        let step = self.frequency_step_hz;
-        let low = (1..self.mobility.len()).take_while(|line| (*line as f64) * step < from_hz);
-        for line in low {
-            completed.first_measured = line + 1;
-            let omega = self.omega(line);
-            let rigid = self.rigid(line) * (1.0 - elastic * (omega / unit).powi(2));
-            if let Some(value) = completed.mobility.get_mut(line) {
-                *value = rigid;
-            }
-            let variances = completed.variance.as_mut();
-            if let Some(variance) = variances.and_then(|variances| variances.get_mut(line)) {
-                let relative = weighed.standard_error / weighed.mass;
-                *variance = rigid.norm_sqr() * relative.powi(2);
-            }
-        }
-        check_lines_finite("completed mobility", &completed.mobility)?;
-        Ok(completed)
     }
 
     /// Front conductance $`1/Z`$, 0 if not given: a constant on all lines is an impulse at time 0,
