@@ -376,6 +376,38 @@ impl LineErrors {
     }
 }
 
+/// Running means and sums of squares of samples.
+pub(crate) struct Moments {
+    count: f64,
+    pub(crate) mean: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Moments {
+    pub(crate) fn of(n_samples: usize) -> Self {
+        Self {
+            count: 0.0,
+            mean: vec![0.0; n_samples],
+            squares: vec![0.0; n_samples],
+        }
+    }
+
+    pub(crate) fn add(&mut self, samples: &[f64]) {
+        self.count += 1.0;
+        let moments = self.mean.iter_mut().zip(&mut self.squares);
+        for ((mean, squares), sample) in moments.zip(samples) {
+            let away = sample - *mean;
+            *mean += away / self.count;
+            *squares += away * (sample - *mean);
+        }
+    }
+
+    pub(crate) fn deviations(&self) -> Vec<f64> {
+        let squares = self.squares.iter();
+        squares.map(|s| (s / (self.count - 1.0)).sqrt()).collect()
+    }
+}
+
 pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
     let position = level * (values.len() as f64 - 1.0);
     let mut above = values

@@ -2,7 +2,7 @@
 
 use super::{FirstForce, ImpactNumbers, ImpactSource, Prediction};
 use crate::ForceHistory;
-use crate::force_error::quantile;
+use crate::force_error::{Moments, quantile};
 
 /// Result of one march, with its force in the band.
 pub(super) struct Run {
@@ -138,38 +138,6 @@ impl Draws {
                 .collect(),
             largest,
         }
-    }
-}
-
-/// Running means and sums of squares of samples.
-struct Moments {
-    count: f64,
-    mean: Vec<f64>,
-    squares: Vec<f64>,
-}
-
-impl Moments {
-    fn of(n_samples: usize) -> Self {
-        Self {
-            count: 0.0,
-            mean: vec![0.0; n_samples],
-            squares: vec![0.0; n_samples],
-        }
-    }
-
-    fn add(&mut self, samples: &[f64]) {
-        self.count += 1.0;
-        let moments = self.mean.iter_mut().zip(&mut self.squares);
-        for ((mean, squares), sample) in moments.zip(samples) {
-            let away = sample - *mean;
-            *mean += away / self.count;
-            *squares += away * (sample - *mean);
-        }
-    }
-
-    fn deviations(&self) -> Vec<f64> {
-        let squares = self.squares.iter();
-        squares.map(|s| (s / (self.count - 1.0)).sqrt()).collect()
     }
 }
 

@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 
 use super::StickUncertainty;
 use crate::error::{check_enough, check_length, check_probability};
-use crate::force_error::{check_draws, quantile};
+use crate::force_error::{Moments, check_draws, quantile};
 use crate::{ContactEnd, Coverage, ForceBand, ImpulseError, StickProblem, ZeroLine, separate};
 
 /// Fewest draws for a standard deviation.
@@ -52,16 +52,17 @@ impl StickUncertainty<'_> {
         check_enough("set of draws", n_draws, FEWEST_DRAWS)?;
         let (n_period, n_shown) = problem.n_samples();
         check_draws(n_draws, n_shown)?;
+        let mut stick = Moments::of(n_shown);
         let mut result = MonteCarlo {
-            stick_mean: vec![0.0; n_shown],
-            stick_deviation: vec![0.0; n_shown],
+            stick_mean: Vec::new(),
+            stick_deviation: Vec::new(),
             impact_forces: Vec::with_capacity(n_draws),
             contact_ends: Vec::new(),
             time_step: 1.0 / (n_period as f64 * problem.frequency_step_hz),
             without_end: 0,
         };
         let mut normal = || -> f64 { random.sample(StandardNormal) };
-        for count in 1..=n_draws {
+        for _ in 0..n_draws {
             let first = drawn(
                 problem.first,
                 self.first_variance,
@@ -87,28 +88,17 @@ impl StickUncertainty<'_> {
                 zero_line,
                 ..*problem
             };
-            let stick = draw.solve()?;
-            let samples = stick.history.force().iter();
-            let moments = result
-                .stick_mean
-                .iter_mut()
-                .zip(&mut result.stick_deviation);
-            for ((mean, squares), force) in moments.zip(samples) {
-                // running mean and sum of squares about it
-                let from_mean = force - *mean;
-                *mean += from_mean / count as f64;
-                *squares += from_mean * (force - *mean);
-            }
-            let impact = separate(&stick.history, threshold)?;
+            let history = draw.solve()?.history;
+            stick.add(history.force());
+            let impact = separate(&history, threshold)?;
             match impact.end {
                 ContactEnd::Separated { time } => result.contact_ends.push(time),
                 ContactEnd::InContact | ContactEnd::NoContact => result.without_end += 1,
             }
             result.impact_forces.push(impact.history.force().to_vec());
         }
-        for squares in &mut result.stick_deviation {
-            *squares = (*squares / (n_draws as f64 - 1.0)).sqrt();
-        }
+        result.stick_deviation = stick.deviations();
+        result.stick_mean = stick.mean;
         result.contact_ends.sort_by(f64::total_cmp);
         Ok(result)
     }
