@@ -154,6 +154,7 @@ mod history;
 pub mod hopkinson;
 mod impact;
 mod impedance_head;
+mod interpolation;
 mod kernel;
 mod parallel;
 mod reconstruct;

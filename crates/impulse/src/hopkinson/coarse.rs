@@ -4,6 +4,7 @@ use super::curves::Curves;
 use super::noise::QuietNoise;
 use super::plan::Plan;
 use super::record::HopkinsonRecord;
+use crate::interpolation::at_place;
 
 /// Samples per period at the last line of the band.
 const PER_PERIOD: f64 = 4.0;
@@ -62,22 +63,13 @@ impl Coarse {
     }
 
     /// Interpolates histories from the coarse samples to all samples of the result.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positions between samples, above 0"
-    )]
     pub(super) fn refined(&self, curves: &Curves) -> Curves {
         let middle = 0.5 * (self.by - 1) as f64;
         let first = self.plan.result.start as f64;
         let refined = curves.0.iter().map(|curve| {
-            let last = curve.len().saturating_sub(1);
-            let at = |index: usize| curve.get(index.min(last)).copied().unwrap_or(0.0);
             let of_sample = |sample: usize| {
-                let place = ((sample as f64 - middle) / self.by as f64 - first).max(0.0);
-                let below = place.floor() as usize;
-                let share = place - below as f64;
-                (1.0 - share) * at(below) + share * at(below + 1)
+                let place = (sample as f64 - middle) / self.by as f64 - first;
+                at_place(curve, place.max(0.0))
             };
             self.fine.clone().map(of_sample).collect()
         });

@@ -8,6 +8,7 @@ use rodwave::fourier::RealFourier;
 
 use crate::ImpulseError;
 use crate::error::check_enough;
+use crate::interpolation::at_place;
 
 /// Fewest samples of a silence.
 const FEWEST: usize = 32;
@@ -105,29 +106,13 @@ impl QuietNoise {
         let lines = transform.forward();
         let of_line = last as f64 / (lines.len().max(2) - 1) as f64;
         for (k, line) in lines.iter_mut().enumerate() {
-            *line *= self.power_at(k as f64 * of_line).sqrt() / n as f64;
+            // the level was subtracted: the lines next to 0 take the power of the next line
+            let place = (k as f64 * of_line).max(2.0);
+            *line *= at_place(&self.power, place).sqrt() / n as f64;
         }
         for (sample, noise) in samples.iter_mut().zip(transform.inverse().iter()) {
             *sample += noise;
         }
-    }
-
-    /// Interpolates the power between the lines of a segment.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a place among the lines"
-    )]
-    fn power_at(&self, place: f64) -> f64 {
-        let below = place.floor() as usize;
-        let at = |index: usize| {
-            let found = self.power.get(index).or(self.power.last());
-            found.copied().unwrap_or(0.0)
-        };
-        // the level was subtracted: the lines next to 0 take the power of the next line
-        let below = below.max(2);
-        let share = (place - below as f64).clamp(0.0, 1.0);
-        (1.0 - share) * at(below) + share * at(below + 1)
     }
 }
 

@@ -5,6 +5,7 @@ use faer::{Mat, Side};
 use num_complex::Complex64;
 
 use crate::fourier;
+use crate::interpolation::at_place;
 
 /// Number of points per sample: linear interpolation between them has an error of 1/2000 of the
 /// curvature per sample.
@@ -175,11 +176,6 @@ impl MeanBlow {
 
     /// Returns the samples from `first` on of the blow with its largest value at sample `peak`,
     /// `stretch` times as long.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a place in the period is not negative and far below 2^52"
-    )]
     pub(super) fn samples(
         &self,
         (first, length): (usize, usize),
@@ -194,9 +190,7 @@ impl MeanBlow {
                 if place + 1.0 >= kept {
                     return 0.0;
                 }
-                let index = place as usize;
-                let part = place.fract();
-                (1.0 - part) * self.fine[index] + part * self.fine[index + 1]
+                at_place(&self.fine, place)
             })
             .collect()
     }

@@ -1,6 +1,7 @@
 //! Errors of a measured frequency response in the normal equations of a force on a support.
 
 use super::lines::{Transformed, weight};
+use crate::interpolation::at_place;
 
 /// Fewest lines over which a share is estimated.
 const FEWEST_LINES: usize = 9;
@@ -188,28 +189,16 @@ const LEAST_SHARE: f64 = 1e-6;
 /// Returns the mean spectrum of the energy of blows of other durations than `blows`: a zero in the
 /// spectrum of one blow is not a zero of all blows.
 fn of_other_durations(blows: &[f64]) -> Vec<f64> {
-    let at = |line: usize| blows.get(line).or(blows.last()).copied().unwrap_or(0.0);
-    let of = |place: f64| {
-        let part = place.fract();
-        (1.0 - part) * at(whole(place)) + part * at(whole(place) + 1)
-    };
     let longer = (-N_DURATIONS..=N_DURATIONS)
         .map(|n| 1.0 + DURATIONS * f64::from(n) / f64::from(N_DURATIONS));
     let count = f64::from(2 * N_DURATIONS + 1);
     let least = LEAST_SHARE * blows.iter().copied().fold(0.0, f64::max);
     (0..blows.len())
-        .map(|line| longer.clone().map(|by| of(by * line as f64)).sum::<f64>() / count)
-        .map(|power| power.max(least))
+        .map(|line| {
+            let power = longer.clone().map(|by| at_place(blows, by * line as f64));
+            (power.sum::<f64>() / count).max(least)
+        })
         .collect()
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place in the spectrum is not negative and far below 2^52"
-)]
-fn whole(place: f64) -> usize {
-    place as usize
 }
 
 /// Returns the mean over `half` lines on either side and the line itself, mirrored at the ends.
