@@ -11,7 +11,7 @@ use rodwave::line::{Body, Line, LineHistory, Segment};
 use rodwave::medium::Medium;
 use rodwave::modulus::Zener;
 
-use super::bodies::{STEEL_DENSITY, STEEL_MODULUS, steel, wave_speed};
+use crate::bodies::{STEEL_DENSITY, STEEL_MODULUS, steel, wave_speed};
 use testbed::claim::{Claims, Ours, Within, of};
 use testbed::difference::largest;
 use testbed::hold;
@@ -119,7 +119,7 @@ fn both(striker: &[Piece], rod: Piece) -> Ours<Both> {
 
 fn by_mobilities(striker: &[Piece], rod: Piece, step: f64) -> Ours<Prediction> {
     let zener = Medium::new(DENSITY, Zener::new(RELAXED, UNRELAXED, RELAXATION_TIME)?)?;
-    let steel = steel()?;
+    let steel = steel();
     let chain = |pieces: &[Piece]| -> Ours<AnalyticChain> {
         let mut builder = AnalyticChain::analytic_from_impact_face();
         for piece in pieces {

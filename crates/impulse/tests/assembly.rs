@@ -6,32 +6,21 @@ use std::sync::Arc;
 
 use impulse::{
     Assembly, AtFace, BandLimit, ForceHistory, Impact, ImpactBody, ImpulseError, Joint,
-    LowFrequency, MeasuredBody, MeasuredPoints, MobilityLaw, Point, SharedSubstructure,
-    Substructure, WeighedMass,
+    LowFrequency, MeasuredBody, MeasuredPoints, Point, SharedSubstructure, Substructure,
+    WeighedMass,
 };
 use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rodwave::chain::{AnalyticChain, Chain, Termination};
-use rodwave::element::Circle;
+use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::line::{Body, Line, Segment};
 use rodwave::medium::Medium;
-use rodwave::modulus::{ConstantQ, Elastic, PowerLawPropagation, Zener};
+use rodwave::modulus::{ConstantQ, Zener};
 
-const DENSITY: f64 = 7800.0;
-const MODULUS: f64 = 206e9;
-
-fn steel() -> Medium<Elastic> {
-    Medium::new(DENSITY, Elastic::new(MODULUS).unwrap()).unwrap()
-}
-
-fn rod(length: f64, diameter: f64) -> AnalyticChain {
-    let section = Circle::of_diameter(diameter).unwrap();
-    AnalyticChain::analytic_from_impact_face()
-        .rod(&steel(), section, length)
-        .end(Termination::Free)
-        .unwrap()
-}
+use crate::bodies::{
+    STEEL_DENSITY, STEEL_MODULUS, between_samples, circle, long_rod, mass, nylon_rod, rod,
+    wave_speed,
+};
 
 /// Mobilities of the two points of a member.
 fn at(member: &dyn Substructure, s: Complex64) -> [[Complex64; 2]; 2] {
@@ -41,12 +30,8 @@ fn at(member: &dyn Substructure, s: Complex64) -> [[Complex64; 2]; 2] {
     [[a, b], [c, d]]
 }
 
-fn mass(mass: f64) -> SharedSubstructure {
-    Arc::new(AtFace::of(
-        MobilityLaw::analytic(move |s| 1.0 / (mass * s))
-            .free(mass)
-            .unwrap(),
-    ))
+fn member(kilograms: f64) -> SharedSubstructure {
+    Arc::new(AtFace::of(mass(kilograms)))
 }
 
 fn relative(found: Complex64, expected: Complex64) -> f64 {
@@ -57,8 +42,8 @@ fn relative(found: Complex64, expected: Complex64) -> f64 {
 #[test]
 fn parts_joined_are_the_chain_of_them() {
     let polymer = Medium::new(1150.0, ConstantQ::new(3e9, 0.1, 1e4).unwrap()).unwrap();
-    let thin = Circle::of_diameter(0.016).unwrap();
-    let wide = Circle::of_diameter(0.030).unwrap();
+    let thin = circle(0.016);
+    let wide = circle(0.030);
     let begin = AnalyticChain::analytic_from_impact_face;
     let first = begin().rod(&polymer, thin, 0.2).end(Termination::Free);
     let second = begin()
@@ -67,7 +52,7 @@ fn parts_joined_are_the_chain_of_them() {
     let members: Vec<SharedSubstructure> = vec![
         Arc::new(first.unwrap()),
         Arc::new(second.unwrap()),
-        mass(0.05),
+        member(0.05),
     ];
     let joints = [
         Joint::compliant(Point::of(0, 1), Point::of(1, 0), 3e7, 0.0).unwrap(),
@@ -98,12 +83,7 @@ fn parts_joined_are_the_chain_of_them() {
         );
     }
     // on the frequency axis, for a law that is not known off it
-    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    let nylon = Medium::new(1150.0, law).unwrap();
-    let part = |length| {
-        let part = Chain::from_impact_face().rod(&nylon, thin, length);
-        part.end(Termination::Free).unwrap()
-    };
+    let part = |length| nylon_rod(0.016, length);
     let members: Vec<SharedSubstructure> = vec![Arc::new(part(0.1)), Arc::new(part(0.25))];
     let joint = Joint::rigid(Point::of(0, 1), Point::of(1, 0));
     let joined = Assembly::of(members, &[joint], Point::of(0, 0)).unwrap();
@@ -118,25 +98,25 @@ fn parts_joined_are_the_chain_of_them() {
 #[test]
 fn joints_obey_closed_forms() {
     let s = Complex64::new(0.0, TAU * 1.7e3);
-    let alone = rod(0.7, 0.02);
+    let alone = rod(0.02, 0.7);
     let one = Assembly::of(vec![Arc::new(alone.clone())], &[], Point::of(0, 0)).unwrap();
     assert_eq!(one.mobility_at(s).unwrap(), alone.mobility_at_s(s).unwrap());
     let (m, n, k, c) = (0.8, 0.3, 2e8, 4e3);
     let joint = Joint::compliant(Point::of(0, 0), Point::of(1, 0), k, c).unwrap();
-    let pair = Assembly::of(vec![mass(m), mass(n)], &[joint], Point::of(0, 0)).unwrap();
+    let pair = Assembly::of(vec![member(m), member(n)], &[joint], Point::of(0, 0)).unwrap();
     // the impedance of the second mass behind the joint: 1/(1/(ns) + s/(k + cs))
     let behind = 1.0 / (1.0 / (n * s) + s / (k + c * s));
     let found = pair.mobility_at(s).unwrap();
     assert!(relative(found, 1.0 / (m * s + behind)) < 1e-13);
     assert!((pair.free_mass().unwrap() - (m + n)).abs() < 1e-15);
-    let members: Vec<SharedSubstructure> = vec![mass(m), Arc::new(AtFace::ground())];
+    let members: Vec<SharedSubstructure> = vec![member(m), Arc::new(AtFace::ground())];
     let held = Assembly::of(members, &[joint], Point::of(0, 0)).unwrap();
     let expected = 1.0 / (m * s + k / s + c);
     assert!(relative(held.mobility_at(s).unwrap(), expected) < 1e-13);
     assert!(held.free_mass().is_none());
-    let rods = [rod(0.7, 0.02), rod(1.1, 0.03)];
+    let rods = [rod(0.02, 0.7), rod(0.03, 1.1)];
     let members: Vec<SharedSubstructure> = vec![
-        mass(m),
+        member(m),
         Arc::new(rods[0].clone()),
         Arc::new(rods[1].clone()),
     ];
@@ -160,39 +140,29 @@ fn by_line(bodies: Vec<Body>, step: f64, duration: f64) -> ForceHistory {
     ForceHistory::new(0.5 * step, step, history.contacts[0].force.clone()).unwrap()
 }
 
-/// The force between two samples, by a straight line.
-fn between_samples(history: &ForceHistory, time: f64) -> f64 {
-    let position = (time - history.time_at(0)) / history.time_step();
-    let before = position.floor() as usize;
-    let share = position - position.floor();
-    let force = history.force();
-    force[before] + share * (force[before + 1] - force[before])
-}
-
 /// Three free rods of steel: the first strikes the second, to whose other end the third, of another
 /// section, is joined. The whole force in the band agrees within a thousandth of its peak.
 #[test]
 fn three_rods_in_a_row_are_those_of_a_line() {
-    let speed = (MODULUS / DENSITY).sqrt();
     // transit times in whole microseconds, so that `Line` adjusts no wave speed
-    let lengths = [150e-6, 20e-6, 60e-6].map(|time| speed * time);
+    let lengths = [150e-6, 20e-6, 60e-6].map(|time| wave_speed() * time);
     let diameters = [0.030, 0.030, 0.015];
     let (duration, velocity) = (1.5e-3, 8.0);
     let members: Vec<SharedSubstructure> = vec![
-        Arc::new(rod(lengths[1], diameters[1])),
-        Arc::new(rod(lengths[2], diameters[2])),
+        Arc::new(rod(diameters[1], lengths[1])),
+        Arc::new(rod(diameters[2], lengths[2])),
     ];
     let joint = Joint::rigid(Point::of(0, 1), Point::of(1, 0));
     let struck = Assembly::of(members, &[joint], Point::of(0, 0)).unwrap();
     let segment = |at: usize| {
         let area = FRAC_PI_4 * diameters[at] * diameters[at];
-        Segment::elastic(lengths[at], area, DENSITY, MODULUS).unwrap()
+        Segment::elastic(lengths[at], area, STEEL_DENSITY, STEEL_MODULUS).unwrap()
     };
     let moving = Body::new([segment(0)]).unwrap().moving_at(velocity);
     let bonded = Body::new([segment(1), segment(2)]).unwrap();
     let line = by_line(vec![moving.unwrap(), bonded], 1e-6, duration);
     let step = line.time_step();
-    let striker = rod(lengths[0], diameters[0]);
+    let striker = rod(diameters[0], lengths[0]);
     let prediction = Impact::between(&striker, &struck)
         .at_velocity(velocity)
         .in_steps_of(step)
@@ -212,7 +182,9 @@ fn three_rods_in_a_row_are_those_of_a_line() {
     let worst = (0..1500)
         .map(|n| {
             let time = f64::from(n) * step;
-            (between_samples(&ours, time) - between_samples(&theirs, time)).abs()
+            let [ours, theirs] =
+                [&ours, &theirs].map(|force| between_samples(force, time).unwrap());
+            (ours - theirs).abs()
         })
         .fold(0.0, f64::max);
     assert!(worst < 1e-3 * peak, "{}", worst / peak);
@@ -224,7 +196,7 @@ fn three_rods_in_a_row_are_those_of_a_line() {
 fn a_measured_member_is_the_computed_one() {
     let (step_hz, n_lines) = (25.0, 1025);
     let polymer = Medium::new(1150.0, Zener::new(2.4e9, 3e9, 20e-6).unwrap()).unwrap();
-    let section = Circle::of_diameter(0.020).unwrap();
+    let section = circle(0.020);
     let begin = AnalyticChain::analytic_from_impact_face;
     let bit = begin().rod(&polymer, section, 0.15).end(Termination::Free);
     let bit = bit.unwrap();
@@ -249,9 +221,7 @@ fn a_measured_member_is_the_computed_one() {
     let measured = MeasuredPoints::of(2, vec![entry(0, 0), entry(0, 1), entry(1, 1)]).unwrap();
     let near = begin().rod(&polymer, section, 0.4).end(Termination::Free);
     let near: SharedSubstructure = Arc::new(near.unwrap());
-    let rock: SharedSubstructure = Arc::new(AtFace::of(MobilityLaw::analytic(|_| {
-        Complex64::from(1.0 / 900.0)
-    })));
+    let rock: SharedSubstructure = Arc::new(AtFace::of(long_rod(900.0)));
     let joints = [
         Joint::rigid(Point::of(0, 1), Point::of(1, 0)),
         Joint::rigid(Point::of(1, 1), Point::of(2, 0)),
@@ -274,9 +244,7 @@ fn a_measured_member_is_the_computed_one() {
     let expected_front = (3e9_f64 * 1150.0).sqrt() * FRAC_PI_4 * 4e-4;
     assert!((front / expected_front - 1.0).abs() < 1e-4, "{front}");
     // a hammer head of 0.2 kg, by a march on the lines and by a march of the computed bodies
-    let hammer = MobilityLaw::analytic(|s| 1.0 / (0.2 * s))
-        .free(0.2)
-        .unwrap();
+    let hammer = mass(0.2);
     let peak = |body: &dyn ImpactBody| {
         let impact = Impact::between(&hammer, body).at_velocity(2.0);
         let force = impact.in_steps_of(5e-6).predict(2e-3).unwrap();
@@ -320,7 +288,7 @@ fn a_measured_member_is_the_computed_one() {
 
 #[test]
 fn what_is_not_joined_is_named() {
-    let pair = || -> Vec<SharedSubstructure> { vec![mass(1.0), Arc::new(rod(0.5, 0.02))] };
+    let pair = || -> Vec<SharedSubstructure> { vec![member(1.0), Arc::new(rod(0.02, 0.5))] };
     let at = |member, point| Point::of(member, point);
     let refused = |joints: &[Joint], face| Assembly::of(pair(), joints, face).unwrap_err();
     let apart = refused(&[], at(0, 0));
@@ -363,7 +331,7 @@ fn what_is_not_joined_is_named() {
         "{error}"
     );
     // the front of a measured face is not known
-    let members: Vec<SharedSubstructure> = vec![Arc::new(AtFace::of(on(10.0))), mass(1.0)];
+    let members: Vec<SharedSubstructure> = vec![Arc::new(AtFace::of(on(10.0))), member(1.0)];
     let joined = Assembly::of(members, &[joint], at(0, 0)).unwrap();
     assert!(joined.front_impedance().is_none());
 }

@@ -5,45 +5,11 @@ use impulse::{
     MobilityLaw, PredictionFlag, Quadrature, TimeGrid, WeighedMass,
 };
 use num_complex::Complex64;
-use rodwave::chain::{AnalyticChain, Chain, Termination};
-use rodwave::element::Circle;
-use rodwave::medium::Medium;
-use rodwave::modulus::{Elastic, PowerLawPropagation};
+use rodwave::chain::{Chain, Termination};
+
+use crate::bodies::{circle, long_rod, mass, nylon_rod, rod, steel, wall};
 
 const DURATION: f64 = 1e-3;
-
-fn rod() -> MobilityLaw<impl Fn(Complex64) -> Complex64> {
-    MobilityLaw::analytic(|_| Complex64::from(1e-3))
-}
-
-fn mass(kilograms: f64) -> MobilityLaw<impl Fn(Complex64) -> Complex64> {
-    MobilityLaw::analytic(move |s| 1.0 / (s * kilograms))
-        .free(kilograms)
-        .unwrap()
-}
-
-fn nylon() -> Chain {
-    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    Chain::from_impact_face()
-        .rod(
-            &Medium::new(1150.0, law).unwrap(),
-            Circle::of_diameter(0.03).unwrap(),
-            0.3,
-        )
-        .end(Termination::Free)
-        .unwrap()
-}
-
-fn elastic() -> AnalyticChain {
-    AnalyticChain::analytic_from_impact_face()
-        .rod(
-            &Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap(),
-            Circle::of_diameter(0.01).unwrap(),
-            0.3,
-        )
-        .end(Termination::Free)
-        .unwrap()
-}
 
 fn refusal(first: &dyn ImpactBody, second: &dyn ImpactBody) -> ImpulseError {
     Impact::between(first, second)
@@ -54,7 +20,7 @@ fn refusal(first: &dyn ImpactBody, second: &dyn ImpactBody) -> ImpulseError {
 
 #[test]
 fn velocities_times_and_steps() {
-    let (first, second) = (mass(0.5), rod());
+    let (first, second) = (mass(0.5), long_rod(1e3));
     let pair = Impact::between(&first, &second);
     for velocity in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
         let impact = pair.at_velocity(velocity);
@@ -102,20 +68,20 @@ fn masses_that_contradict_the_mobility() {
         .free(0.4)
         .unwrap();
     assert!(matches!(
-        refusal(&lighter, &rod()),
+        refusal(&lighter, &long_rod(1e3)),
         ImpulseError::MassContradictsMobility { body: "first", found, expected }
             if (found - 0.5).abs() < 1e-9 && (expected - 0.4).abs() < 1e-9
     ));
     let unweighed = MobilityLaw::analytic(|s: Complex64| 1.0 / (0.5 * s));
     assert!(matches!(
-        refusal(&rod(), &unweighed),
+        refusal(&long_rod(1e3), &unweighed),
         ImpulseError::MassContradictsMobility { body: "second", .. }
     ));
 }
 
 #[test]
 fn methods_outside_their_domain() {
-    let (nylon, steel) = (nylon(), elastic());
+    let (nylon, steel) = (nylon_rod(0.03, 0.3), rod(0.01, 0.3));
     let impact = Impact::between(&nylon, &steel).at_velocity(1.0);
     // eq. 7 is not known off the frequency axis
     for error in [
@@ -133,14 +99,10 @@ fn methods_outside_their_domain() {
     }
     // a free elastic body on the frequency axis rings longer than any period
     let chain = Chain::from_impact_face()
-        .rod(
-            &Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap(),
-            Circle::of_diameter(0.01).unwrap(),
-            0.3,
-        )
+        .rod(&steel(), circle(0.01), 0.3)
         .end(Termination::Free)
         .unwrap();
-    let outcome = Impact::between(&chain, &rod())
+    let outcome = Impact::between(&chain, &long_rod(1e3))
         .at_velocity(1.0)
         .predict(DURATION);
     // a pole on a line is refused, lines beside the poles are flagged
@@ -251,7 +213,7 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
         time_step: 1e-6,
         n_steps: 256,
     };
-    let kernel = Kernel::of(&elastic(), grid, Quadrature::CellAverages).unwrap();
+    let kernel = Kernel::of(&rod(0.01, 0.3), grid, Quadrature::CellAverages).unwrap();
     // an analytic body has nothing before the impulse but the alias of the next period, 1.5e-8
     assert!(kernel.acausal() < 1e-7 * kernel.weights()[0]);
     assert!(kernel.face_compliance().abs() < f64::MIN_POSITIVE);
@@ -259,7 +221,7 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
     let kernel = Kernel::of(&spring, grid, Quadrature::CellAverages).unwrap();
     assert!((kernel.face_compliance() * 1e7 - 1.0).abs() < 1e-9);
     let one = TimeGrid { n_steps: 1, ..grid };
-    assert!(Kernel::of(&elastic(), one, Quadrature::Bdf2).is_err());
+    assert!(Kernel::of(&rod(0.01, 0.3), one, Quadrature::Bdf2).is_err());
 }
 
 #[test]
@@ -284,8 +246,7 @@ fn a_spring_at_a_face_and_a_curved_contact_share_the_approach() {
             ((force / 5e9).powf(2.0 / 3.0) + force / 1e7, force)
         })
         .collect();
-    let wall = MobilityLaw::analytic(|_| Complex64::ZERO);
-    let exact = Impact::between(&striker, &wall)
+    let exact = Impact::between(&striker, &wall())
         .at_velocity(1.0)
         .through(ContactLaw::Tabulated(
             impulse::TabulatedContact::new(&curve).unwrap(),

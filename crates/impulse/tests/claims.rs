@@ -3,7 +3,6 @@
 
 #[path = "against_line.rs"]
 mod against_line;
-mod bodies;
 #[path = "closed_forms.rs"]
 mod closed_forms;
 mod contact_laws;

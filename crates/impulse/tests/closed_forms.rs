@@ -1,13 +1,13 @@
 //! Impacts of rods and masses whose force has a closed form.
 
-use impulse::{ContactLaw, Impact, MobilityLaw, Prediction, Quadrature, TabulatedContact};
+use impulse::{ContactLaw, Impact, Prediction, Quadrature, TabulatedContact};
 use num_complex::Complex64;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::SpringPot;
 
-use super::bodies::{deviation, endless_rod, impedance, mass, rod, wave_speed};
+use crate::bodies::{deviation, endless_rod, impedance, mass, rod, wall, wave_speed};
 use testbed::claim::{Claims, Ours, Within, of};
 use testbed::difference::largest;
 use testbed::hold;
@@ -31,7 +31,7 @@ fn two_endless_rods(claims: &mut Claims) {
     claims.by("F = V/(1/Z_1 + 1/Z_2), d'Alembert");
     let exact = VELOCITY / (1.0 / impedance(0.010) + 1.0 / impedance(0.014));
     let force = |quadrature| -> Ours {
-        let (first, second) = (endless_rod(0.010)?, endless_rod(0.014)?);
+        let (first, second) = (endless_rod(0.010), endless_rod(0.014));
         let impact = Impact::between(&first, &second).at_velocity(VELOCITY);
         let prediction = impact.by(quadrature).predict(DURATION)?;
         // no body is free: there is no restitution, and the contact does not end
@@ -60,7 +60,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
     let kilograms = 0.1;
     let z = impedance(0.010);
     let error = |steps, quadrature| -> Ours {
-        let (striker, rod) = (mass(kilograms)?, endless_rod(0.010)?);
+        let (striker, rod) = (mass(kilograms), endless_rod(0.010));
         let prediction = Impact::between(&striker, &rod)
             .at_velocity(VELOCITY)
             .by(quadrature)
@@ -92,7 +92,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         error(4096.0, Quadrature::Bdf2),
     );
     let energies = || -> Ours {
-        let (striker, rod) = (mass(kilograms)?, endless_rod(0.010)?);
+        let (striker, rod) = (mass(kilograms), endless_rod(0.010));
         let prediction = Impact::between(&striker, &rod)
             .at_velocity(VELOCITY)
             .in_steps_of(DURATION / 4096.0)
@@ -127,7 +127,7 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         order(),
     );
     let long = || -> Ours {
-        let (striker, rod) = (mass(kilograms)?, endless_rod(0.010)?);
+        let (striker, rod) = (mass(kilograms), endless_rod(0.010));
         let prediction = Impact::between(&striker, &rod)
             .at_velocity(VELOCITY)
             .predict(1e-2)?;
@@ -154,7 +154,7 @@ fn rods_of_different_lengths(claims: &mut Claims) {
     let trip = 2.0 * short / wave_speed();
     let momentum = impedance(0.010) * short / wave_speed() * VELOCITY;
     let found = |first: f64, second: f64| -> Ours<Prediction> {
-        let (first, second) = (rod(0.010, first)?, rod(0.010, second)?);
+        let (first, second) = (rod(0.010, first), rod(0.010, second));
         let impact = Impact::between(&first, &second).at_velocity(VELOCITY);
         let prediction = impact.predict(DURATION)?;
         assert_eq!(prediction.flags, []);
@@ -223,7 +223,7 @@ fn rods_of_equal_length(claims: &mut Claims) {
     };
     let from_jump = |t: f64| ((t / trip) - (t / trip).round()).abs() * trip;
     let stick = |damped: bool| -> Ours {
-        let body = rod(0.010, length)?;
+        let body = rod(0.010, length);
         let impact = Impact::between(&body, &body).at_velocity(VELOCITY);
         let (history, away) = if damped {
             (impact.stick_force_damped(3.0 * trip, 1e-7)?, 16e-7)
@@ -247,7 +247,7 @@ fn rods_of_equal_length(claims: &mut Claims) {
         both(),
     );
     let found = || -> Ours<Prediction> {
-        let body = rod(0.010, length)?;
+        let body = rod(0.010, length);
         Ok(Impact::between(&body, &body)
             .at_velocity(VELOCITY)
             .predict(DURATION)?)
@@ -335,10 +335,7 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
 #[test]
 fn f6_soft_contacts_end_within_a_step() {
     let (m, v) = (0.3, 1.7);
-    let body = MobilityLaw::analytic(move |s| 1.0 / (m * s))
-        .free(m)
-        .unwrap();
-    let wall = MobilityLaw::analytic(|_| Complex64::ZERO);
+    let (body, wall) = (mass(m), wall());
     let (k, hertz) = (4e6_f64, 3e9_f64);
     let depth = (1.25 * m * v * v / hertz).powf(0.4);
     let table = TabulatedContact::new(&[(0.0, 0.0), (1.0, k)])

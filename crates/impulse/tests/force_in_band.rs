@@ -5,39 +5,29 @@ use std::f64::consts::{PI, TAU};
 
 use impulse::{
     BandLimit, ContactEnd, ContactLaw, FirstForce, Impact, ImpactBody, ImpactErrors, ImpactNumbers,
-    LowFrequency, MeasuredBody, PredictionFlag, StickProblem, WeighedMass, ZeroLine, separate,
+    PredictionFlag, StickProblem, ZeroLine, separate,
 };
 use num_complex::Complex64;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rodwave::chain::{AnalyticChain, Termination};
-use rodwave::element::Circle;
 use rodwave::medium::Medium;
-use rodwave::modulus::{ConstantQ, Elastic, Zener};
+use rodwave::modulus::{ConstantQ, Zener};
 
-fn circle(diameter_mm: f64) -> Circle {
-    Circle::of_diameter(1e-3 * diameter_mm).unwrap()
-}
+use crate::bodies::{between_samples, circle, endless_rod, impedance, on_lines};
 
 /// A cone whose impedance grows with frequency without limit.
 fn cone() -> AnalyticChain {
     let nylon = Medium::new(1150.0, ConstantQ::new(2.6e9, 0.094, TAU * 3e3).unwrap()).unwrap();
     AnalyticChain::analytic_from_impact_face()
-        .cone(&nylon, circle(75.0), circle(30.0), 0.400)
+        .cone(&nylon, circle(0.075), circle(0.030), 0.400)
         .end(Termination::Free)
-        .unwrap()
-}
-
-fn long_rod() -> AnalyticChain {
-    let steel = Medium::new(7780.0, Elastic::new(206e9).unwrap()).unwrap();
-    AnalyticChain::analytic_from_impact_face()
-        .end(Termination::semi_infinite(&steel, circle(10.0)))
         .unwrap()
 }
 
 #[test]
 fn r07_the_peak_in_the_band_depends_on_neither_step_nor_record() {
-    let (cone, rod) = (cone(), long_rod());
+    let (cone, rod) = (cone(), endless_rod(0.010));
     let impact = Impact::between(&cone, &rod).at_velocity(0.93);
     let mut in_band = Vec::new();
     let mut without = Vec::new();
@@ -64,14 +54,12 @@ fn r07_the_peak_in_the_band_depends_on_neither_step_nor_record() {
 fn r07_the_first_force_is_a_jump_where_the_impedances_are_numbers() {
     let zener = Medium::new(1150.0, Zener::new(2.5e9, 2.9e9, 50e-6).unwrap()).unwrap();
     let striker = AnalyticChain::analytic_from_impact_face()
-        .rod(&zener, circle(40.0), 0.3)
+        .rod(&zener, circle(0.040), 0.3)
         .end(Termination::Free)
         .unwrap();
-    let rod = long_rod();
-    let area = |d: f64| PI / 4.0 * d * d;
-    let exact = 1.0
-        / (1.0 / (area(0.040) * (1150.0_f64 * 2.9e9).sqrt())
-            + 1.0 / (area(0.010) * (7780.0_f64 * 206e9).sqrt()));
+    let rod = endless_rod(0.010);
+    let zener = 0.25 * PI * 0.040_f64.powi(2) * (1150.0_f64 * 2.9e9).sqrt();
+    let exact = 1.0 / (1.0 / zener + 1.0 / impedance(0.010));
     let impact = Impact::between(&striker, &rod).at_velocity(1.0);
     let first = impact.clone().in_steps_of(2e-6).discretised(1e-3).unwrap();
     let FirstForce::Jump(jump) = first.first_force() else {
@@ -147,27 +135,19 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
         let rod = AnalyticChain::analytic_from_impact_face()
             .rod(&medium, circle(diameter), length / 3.0)
             .rod(&medium, thin, length * 2.0 / 3.0);
-        let area = 0.25 * PI * (1e-3 * diameter).powi(2);
+        let area = 0.25 * PI * diameter.powi(2);
         let front = area * (unrelaxed * 1150.0).sqrt();
         (rod.end(Termination::Free).unwrap(), front)
     };
-    let bodies = [rod(2.5e9, 2.9e9, 40.0, 0.30), rod(4.5e9, 5.0e9, 30.0, 0.80)];
+    let bodies = [
+        rod(2.5e9, 2.9e9, 0.040, 0.30),
+        rod(4.5e9, 5.0e9, 0.030, 0.80),
+    ];
     let duration = 1e-3;
-    let on_lines = |step_hz: f64, highest_hz: f64| {
-        bodies.each_ref().map(|(rod, front)| {
-            let lines: Vec<Complex64> = (0..=(highest_hz / step_hz) as usize)
-                .map(|line| match line {
-                    0 => Complex64::ZERO,
-                    _ => rod.mobility(TAU * step_hz * line as f64).unwrap(),
-                })
-                .collect();
-            let weighed = LowFrequency::Free(WeighedMass {
-                mass: rod.free_mass().unwrap(),
-                standard_error: 0.0,
-            });
-            let body = MeasuredBody::from_mobility(&lines, step_hz, weighed).unwrap();
-            body.with_front_impedance(*front).unwrap()
-        })
+    let measured = |step_hz: f64, highest_hz: f64| {
+        let n_lines = (highest_hz / step_hz) as usize + 1;
+        let both = bodies.each_ref();
+        both.map(|(rod, front)| on_lines(rod, *front, step_hz, n_lines))
     };
     let band = BandLimit::up_to(5e3).unwrap();
     let truth = Impact::between(&bodies[0].0, &bodies[1].0)
@@ -178,7 +158,7 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
     let truth = truth.band_limited(band).unwrap();
     let mut widest = Vec::new();
     for (highest_hz, within) in [(10e3, 12e-3), (40e3, 1.1e-3)] {
-        let [first, second] = on_lines(6.25, highest_hz);
+        let [first, second] = measured(6.25, highest_hz);
         let found = Impact::between(&first, &second)
             .at_velocity(1.0)
             .with_errors(ImpactErrors::of_velocity(0.0))
@@ -187,21 +167,12 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
             .unwrap();
         let peak = truth.smooth_peak().force;
         let (mut over, mut apart) = (0.0_f64, 0.0_f64);
-        for (n, (force, error)) in found
-            .limited
-            .force()
-            .iter()
-            .zip(&found.numerical)
-            .enumerate()
-        {
-            let time = found.limited.time_at(n);
-            let position = (time - truth.time_at(0)) / truth.time_step();
-            let before = position.floor() as usize;
-            let [from, to] = match truth.force().get(before..before + 2) {
-                Some([from, to]) => [*from, *to],
-                _ => continue,
+        let samples = found.limited.force().iter().zip(&found.numerical);
+        for (n, (force, error)) in samples.enumerate() {
+            let Some(exact) = between_samples(&truth, found.limited.time_at(n)) else {
+                continue;
             };
-            let away = (force - from - (to - from) * position.fract()).abs();
+            let away = (force - exact).abs();
             // a ten-thousandth of the peak is allowed for the error of the reference due to its own
             // step
             over = over.max((away - 1e-4 * peak) / error);
@@ -216,14 +187,14 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
     }
     assert!(widest[1] < 0.5 * widest[0], "{widest:?}");
     // the default band of measured bodies ends at half of their lines
-    let [first, second] = on_lines(6.25, 10e3);
+    let [first, second] = measured(6.25, 10e3);
     let impact = Impact::between(&first, &second).at_velocity(1.0);
     let found = impact
         .with_errors(ImpactErrors::of_velocity(0.0))
         .predict(duration);
     assert!((found.unwrap().band.upper_hz() / 5e3 - 1.0).abs() < 1e-12);
     // lines too far apart for the ringing to decay are flagged
-    let [first, second] = on_lines(50.0, 10e3);
+    let [first, second] = measured(50.0, 10e3);
     let impact = Impact::between(&first, &second).at_velocity(1.0);
     let flags = impact.predict(duration).unwrap().flags;
     let rings = |flag: &PredictionFlag| matches!(flag, PredictionFlag::Rings { .. });
@@ -231,7 +202,7 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
     // the error contains the ringing that has wrapped round if half of the period is a whole number
     // of steps
     let [with, without] = [2000.0, 2001.0].map(|n_steps| {
-        let [first, second] = on_lines(50.0, 10e3);
+        let [first, second] = measured(50.0, 10e3);
         let impact = Impact::between(&first, &second).at_velocity(1.0);
         let impact = impact.in_steps_of(0.02 / n_steps);
         let exact = ImpactErrors::of_velocity(0.0);
@@ -253,13 +224,13 @@ fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
         let (relaxed, ratio) = (uniform(1.5e9, 6e9), uniform(1.05, 1.35));
         let law = Zener::new(relaxed, relaxed * ratio, 10_f64.powf(uniform(-5.3, -3.5))).unwrap();
         let medium = Medium::new(1150.0, law).unwrap();
-        let (diameter, length) = (uniform(20.0, 50.0), uniform(shortest, longest));
+        let (diameter, length) = (1e-3 * uniform(20.0, 50.0), uniform(shortest, longest));
         let step = uniform(0.25, 0.75) * length;
         let behind = [1.0, uniform(0.5, 0.9), uniform(1.1, 1.5)][uniform(0.0, 3.0) as usize];
         let rod = AnalyticChain::analytic_from_impact_face()
             .rod(&medium, circle(diameter), step)
             .rod(&medium, circle(behind * diameter), length - step);
-        let area = 0.25 * PI * (1e-3 * diameter).powi(2);
+        let area = 0.25 * PI * diameter.powi(2);
         let front = area * (relaxed * ratio * 1150.0).sqrt();
         (rod.end(Termination::Free).unwrap(), front)
     };
@@ -270,20 +241,8 @@ fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
     let mut relative = 0.0;
     for _ in 0..40 {
         let rods = [rod(0.15, 0.4), rod(0.3, 0.9)];
-        let [first, second] = rods.each_ref().map(|(rod, front)| {
-            let lines: Vec<Complex64> = (0..=1600)
-                .map(|line| match line {
-                    0 => Complex64::ZERO,
-                    _ => rod.mobility(TAU * 6.25 * f64::from(line)).unwrap(),
-                })
-                .collect();
-            let weighed = LowFrequency::Free(WeighedMass {
-                mass: rod.free_mass().unwrap(),
-                standard_error: 0.0,
-            });
-            let body = MeasuredBody::from_mobility(&lines, 6.25, weighed).unwrap();
-            body.with_front_impedance(*front).unwrap()
-        });
+        let [first, second] =
+            (rods.each_ref()).map(|(rod, front)| on_lines(rod, *front, 6.25, 1601));
         let predicted = |first: &dyn ImpactBody, second: &dyn ImpactBody, step: Option<f64>| {
             let impact = Impact::between(first, second).at_velocity(1.0);
             let impact = match step {
@@ -312,21 +271,10 @@ fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
         // 2.5 is about the factor of a simultaneous band over one contact; a ten-thousandth of the
         // peak is allowed for the error of the reference due to its own step
         let peak = truth.limited.smooth_peak().force;
-        let is_inside = found
-            .limited
-            .force()
-            .iter()
-            .zip(&found.numerical)
-            .enumerate();
-        let mut is_inside = is_inside.map(|(at, (force, error))| {
-            let position =
-                (found.limited.time_at(at) - truth.limited.time_at(0)) / truth.limited.time_step();
-            let before = position.floor() as usize;
-            let Some([from, to]) = truth.limited.force().get(before..before + 2) else {
-                return true;
-            };
-            let exact = from + (to - from) * position.fract();
-            (force - exact).abs() < 2.5 * error + 1e-4 * peak
+        let samples = found.limited.force().iter().zip(&found.numerical);
+        let mut is_inside = samples.enumerate().map(|(at, (force, error))| {
+            let exact = between_samples(&truth.limited, found.limited.time_at(at));
+            exact.is_none_or(|exact| (force - exact).abs() < 2.5 * error + 1e-4 * peak)
         });
         inside[3] += i32::from(is_inside.all(|one| one));
     }

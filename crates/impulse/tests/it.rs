@@ -13,6 +13,7 @@
 
 mod assembly;
 mod bad_input;
+mod bodies;
 mod claims;
 mod force_in_band;
 mod hard_to_break;

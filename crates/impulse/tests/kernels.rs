@@ -3,19 +3,15 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use impulse::{
-    ImpactBody, Kernel, LowFrequency, MeasuredBody, MobilityLaw, Quadrature, TimeGrid, WeighedMass,
-    lines_of,
-};
+use impulse::{ImpactBody, Kernel, MobilityLaw, Quadrature, TimeGrid};
 use num_complex::Complex64;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rodwave::chain::{AnalyticChain, Chain, Termination};
-use rodwave::element::Circle;
 use rodwave::medium::Medium;
-use rodwave::modulus::{ConstantQ, PowerLawPropagation};
+use rodwave::modulus::ConstantQ;
 
-use super::bodies::{impedance, rod, steel, wave_speed};
+use crate::bodies::{circle, impedance, nylon, on_lines, rod, steel, wave_speed};
 use testbed::claim::{Claims, Ours, Within};
 use testbed::difference::largest;
 use testbed::hold;
@@ -40,7 +36,7 @@ fn echoes_of_an_elastic_rod(claims: &mut Claims) {
     claims.by("G = coth(sT)/Z, free elastic rod");
     let to_the_end = 60.3;
     let weights = || -> Ours<Vec<f64>> {
-        let body = rod(0.010, to_the_end * GRID.time_step * wave_speed())?;
+        let body = rod(0.010, to_the_end * GRID.time_step * wave_speed());
         let kernel = Kernel::of(&body, GRID, Quadrature::CellAverages)?;
         let z = impedance(0.010);
         Ok(kernel.weights().iter().map(|weight| weight * z).collect())
@@ -141,29 +137,25 @@ fn no_force_gains_energy(claims: &mut Claims) {
         }
         Ok(largest(gains))
     };
-    let (wide, narrow) = (Circle::of_diameter(0.075), Circle::of_diameter(0.030));
-    let printed = || -> Ours<(Medium<PowerLawPropagation>, Chain)> {
-        let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?;
-        let nylon = Medium::new(1150.0, law)?;
-        let chain = Chain::from_impact_face()
-            .cone(&nylon, narrow.clone()?, wide.clone()?, 0.400)
-            .end(Termination::Free)?;
-        Ok((nylon, chain))
+    let (wide, narrow) = (circle(0.075), circle(0.030));
+    let printed = || -> Ours<Chain> {
+        let cone = Chain::from_impact_face().cone(&nylon(), narrow, wide, 0.400);
+        Ok(cone.end(Termination::Free)?)
     };
     let computed = || -> Ours {
         let nylon = Medium::new(1150.0, ConstantQ::new(2.6e9, 0.094, 18.8e3)?)?;
         let cone = AnalyticChain::analytic_from_impact_face()
-            .cone(&nylon, wide.clone()?, narrow.clone()?, 0.400)
+            .cone(&nylon, wide, narrow, 0.400)
             .end(Termination::Free)?;
         let stack = AnalyticChain::analytic_from_impact_face()
-            .rod(&nylon, Circle::of_diameter(0.032)?, 0.125)
-            .rod(&steel()?, Circle::of_diameter(0.020)?, 0.125)
+            .rod(&nylon, circle(0.032), 0.125)
+            .rod(&steel(), circle(0.020), 0.125)
             .end(Termination::Free)?;
         let (means, bdf2) = (Quadrature::CellAverages, Quadrature::Bdf2);
         Ok(largest([
             gained(&cone, &[means, bdf2])?,
             gained(&stack, &[means, bdf2, Quadrature::Trapezoid])?,
-            gained(&printed()?.1, &[means])?,
+            gained(&printed()?, &[means])?,
         ]))
     };
     claims.deviation(
@@ -172,17 +164,10 @@ fn no_force_gains_energy(claims: &mut Claims) {
         computed(),
     );
     let measured = || -> Ours {
-        let (nylon, chain) = printed()?;
         // lines up to 20 kHz, a whole number of steps to the period
-        let weighed = LowFrequency::Free(WeighedMass {
-            mass: chain
-                .free_mass()
-                .ok_or_else(|| testbed::claim::missing("the mass"))?,
-            standard_error: 1e-4,
-        });
-        let front = nylon.specific_characteristic_impedance(TAU * 20e3).re;
-        let body = MeasuredBody::from_mobility(&lines_of(&chain, 10.0, 2001)?, 10.0, weighed)?
-            .with_front_impedance(front * FRAC_PI_4 * 0.030_f64.powi(2))?;
+        let front = nylon().specific_characteristic_impedance(TAU * 20e3).re;
+        let front = front * FRAC_PI_4 * 0.030_f64.powi(2);
+        let body = on_lines(&printed()?, front, 10.0, 2001);
         gained(&body, &[Quadrature::CellAverages])
     };
     claims.deviation(

@@ -5,33 +5,22 @@ use std::f64::consts::TAU;
 
 use impulse::{
     Impact, ImpactBody, ImpulseError, LineBand, LowFrequency, MeasuredBody, MobilityLaw,
-    Projection, Reciprocity, ScreeningFlag, WeighedMass, lines_of,
+    Projection, Reciprocity, Screening, ScreeningFlag, WeighedMass, lines_of,
 };
 use num_complex::Complex64;
-use rodwave::chain::{Chain, Termination};
-use rodwave::element::{Circle, CrossSection};
+use rodwave::chain::{AngularFrequency, Chain, ChainBuilder, Termination};
+use rodwave::element::CrossSection;
 use rodwave::medium::Medium;
-use rodwave::modulus::PowerLawPropagation;
 use testbed::noise::Noise;
+
+use crate::bodies::{circle, nylon, nylon_rod};
 
 pub(crate) const STEP_HZ: f64 = 10.0;
 pub(crate) const N_LINES: usize = 1025;
 
-fn circle(diameter_mm: f64) -> Circle {
-    Circle::of_diameter(1e-3 * diameter_mm).unwrap()
-}
-
-fn nylon() -> Medium<PowerLawPropagation> {
-    let law = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970).unwrap();
-    Medium::new(1150.0, law).unwrap()
-}
-
 /// A rod of the material of paper E, for which the real part of the upper lines swings about 1/Z.
 fn rod() -> Chain {
-    Chain::from_impact_face()
-        .rod(&nylon(), circle(40.0), 0.300)
-        .end(Termination::Free)
-        .unwrap()
+    nylon_rod(0.040, 0.300)
 }
 
 pub(crate) fn mass() -> f64 {
@@ -40,7 +29,7 @@ pub(crate) fn mass() -> f64 {
 
 pub(crate) fn front_impedance() -> f64 {
     nylon().specific_characteristic_impedance(TAU * 10e3).re
-        * CrossSection::from(circle(40.0)).area()
+        * CrossSection::from(circle(0.040)).area()
 }
 
 pub(crate) fn exact() -> Vec<Complex64> {
@@ -75,26 +64,29 @@ pub(crate) fn measured(mobility: &[Complex64]) -> MeasuredBody {
     MeasuredBody::from_mobility(mobility, STEP_HZ, weighed(mass())).unwrap()
 }
 
+fn flagged(screening: &Screening, is_it: impl Fn(&ScreeningFlag) -> bool) {
+    let flags = screening.flags();
+    assert!(flags.iter().any(is_it), "{flags:?}");
+}
+
+/// The lines of a body that moves this much \[s\] before the force.
+fn advanced(exact: &[Complex64], by: f64) -> Vec<Complex64> {
+    let turn = |line: usize| Complex64::cis(TAU * STEP_HZ * line as f64 * by);
+    let lines = exact.iter().enumerate();
+    lines.map(|(line, value)| value * turn(line)).collect()
+}
+
 #[test]
 fn a_delay_between_the_channels_is_acausal_and_active() {
     // the velocity is recorded eight samples too early
-    let advanced: Vec<Complex64> = exact()
-        .iter()
-        .enumerate()
-        .map(|(line, value)| value * Complex64::cis(TAU * STEP_HZ * line as f64 * 400e-6))
-        .collect();
-    let flags = measured(&advanced).screen().flags();
-    assert!(
-        flags
-            .iter()
-            .any(|flag| matches!(flag, ScreeningFlag::Acausal { part, .. } if *part > 0.02)),
-        "{flags:?}"
+    let screening = measured(&advanced(&exact(), 400e-6)).screen();
+    flagged(
+        &screening,
+        |flag| matches!(flag, ScreeningFlag::Acausal { part, .. } if *part > 0.02),
     );
-    assert!(
-        flags
-            .iter()
-            .any(|flag| matches!(flag, ScreeningFlag::Active { lines, .. } if *lines > 50)),
-        "{flags:?}"
+    flagged(
+        &screening,
+        |flag| matches!(flag, ScreeningFlag::Active { lines, .. } if *lines > 50),
     );
 }
 
@@ -117,16 +109,15 @@ fn a_stated_error_of_the_scale_is_not_energy_before_the_impulse() {
 #[test]
 fn a_reversed_sensor_is_active_at_every_line() {
     let reversed: Vec<Complex64> = exact().iter().map(|line| -line).collect();
-    let flags = measured(&reversed).screen().flags();
-    assert!(
-        flags.iter().any(
-            |flag| matches!(flag, ScreeningFlag::Active { lines, .. } if *lines == N_LINES - 1)
-        ),
-        "{flags:?}"
+    let screening = measured(&reversed).screen();
+    flagged(
+        &screening,
+        |flag| matches!(flag, ScreeningFlag::Active { lines, .. } if *lines == N_LINES - 1),
     );
-    assert!(flags.iter().any(
-        |flag| matches!(flag, ScreeningFlag::MassContradicted { apparent, .. } if *apparent < 0.0)
-    ), "{flags:?}");
+    flagged(
+        &screening,
+        |flag| matches!(flag, ScreeningFlag::MassContradicted { apparent, .. } if *apparent < 0.0),
+    );
 }
 
 #[test]
@@ -211,19 +202,13 @@ fn s12_a_delay_of_5_us_is_found_where_it_is_said_that_it_would_be() {
         let by_energy = right.passivity.seen_delays[direction].unwrap_or(f64::INFINITY);
         let seen = by_energy.min(right.delay.unwrap().least_seen());
         assert!(seen < 5e-6, "{direction}: {seen}");
-        let moved: Vec<Complex64> = exact
-            .iter()
-            .enumerate()
-            .map(|(line, value)| value * Complex64::cis(sign * TAU * STEP_HZ * line as f64 * 5e-6))
-            .collect();
-        let flags = struck(&moved, 5, 2e-4, 78).screen().flags();
-        assert!(
-            flags.iter().any(|flag| matches!(
+        let moved = advanced(&exact, sign * 5e-6);
+        flagged(&struck(&moved, 5, 2e-4, 78).screen(), |flag| {
+            matches!(
                 flag,
                 ScreeningFlag::Delayed { .. } | ScreeningFlag::Active { .. }
-            )),
-            "{direction}: {flags:?}"
-        );
+            )
+        });
     }
 }
 
@@ -286,11 +271,7 @@ fn a_projection_tells_by_how_much_it_moves_the_lines() {
         left.relative < 0.05 * causal.relative,
         "{left:?} {causal:?}"
     );
-    let early = exact
-        .iter()
-        .enumerate()
-        .map(|(line, value)| value * Complex64::cis(TAU * STEP_HZ * line as f64 * 2e-4));
-    let early = of(&early.collect::<Vec<_>>(), &variance);
+    let early = of(&advanced(&exact, 2e-4), &variance);
     let moved = early.projected(Projection::Causal).change_from(&early);
     assert!(moved.in_errors.unwrap() > 5.0, "{moved:?}");
 }
@@ -344,27 +325,22 @@ fn stepped_and_plain() -> [(Vec<Complex64>, f64, f64); 2] {
     };
     let nylon = zener(2.5e9, 2.9e9, 1150.0);
     let pmma = zener(4.5e9, 5.0e9, 1185.0);
-    let area = |d: f64| CrossSection::from(circle(d)).area();
     let stepped = Chain::from_impact_face()
-        .rod(&nylon, circle(40.0), 0.150)
-        .rod(&nylon, circle(30.0), 0.150)
-        .end(Termination::Free)
-        .unwrap();
-    let plain = Chain::from_impact_face()
-        .rod(&pmma, circle(50.0), 0.400)
-        .end(Termination::Free)
-        .unwrap();
+        .rod(&nylon, circle(0.040), 0.150)
+        .rod(&nylon, circle(0.030), 0.150);
+    let plain = Chain::from_impact_face().rod(&pmma, circle(0.050), 0.400);
+    let of = |builder: ChainBuilder<AngularFrequency>, diameter, front_per_area: f64| {
+        let chain = builder.end(Termination::Free).unwrap();
+        let area = CrossSection::from(circle(diameter)).area();
+        (
+            lines_of(&chain, STEP_HZ, 1001).unwrap(),
+            chain.free_mass().unwrap(),
+            area * front_per_area,
+        )
+    };
     [
-        (
-            lines_of(&stepped, STEP_HZ, 1001).unwrap(),
-            stepped.free_mass().unwrap(),
-            area(40.0) * (1150.0_f64 * 2.9e9).sqrt(),
-        ),
-        (
-            lines_of(&plain, STEP_HZ, 1001).unwrap(),
-            plain.free_mass().unwrap(),
-            area(50.0) * (1185.0_f64 * 5.0e9).sqrt(),
-        ),
+        of(stepped, 0.040, (1150.0_f64 * 2.9e9).sqrt()),
+        of(plain, 0.050, (1185.0_f64 * 5.0e9).sqrt()),
     ]
 }
 
@@ -393,31 +369,21 @@ fn r05_no_mean_over_lines_stands_in_for_the_front_impedance() {
 
 #[test]
 fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
+    let screened = |mobility: &[Complex64], mass: f64, front: f64| {
+        let body = MeasuredBody::from_mobility(mobility, STEP_HZ, weighed(mass)).unwrap();
+        body.with_front_impedance(front).unwrap().screen()
+    };
     for (mobility, mass, impedance) in stepped_and_plain() {
-        let screened = |given: f64| {
-            MeasuredBody::from_mobility(&mobility, STEP_HZ, weighed(mass))
-                .unwrap()
-                .with_front_impedance(given)
-                .unwrap()
-                .screen()
-        };
-        let right = screened(impedance);
+        let right = screened(&mobility, mass, impedance);
         assert_eq!(right.flags(), [], "{right:?}");
     }
     // a rod of one section with enough resonances reveals it: an impedance a fifth larger means
     // another section
-    let long = Chain::from_impact_face()
-        .rod(&nylon(), circle(40.0), 0.900)
-        .end(Termination::Free)
-        .unwrap();
+    let long = nylon_rod(0.040, 0.900);
     let mobility = lines_of(&long, STEP_HZ, 1001).unwrap();
     for (factor, contradicted) in [(1.0, false), (1.3, true), (0.75, true)] {
-        let body =
-            MeasuredBody::from_mobility(&mobility, STEP_HZ, weighed(long.free_mass().unwrap()))
-                .unwrap()
-                .with_front_impedance(factor * front_impedance())
-                .unwrap();
-        let screening = body.screen();
+        let mass = long.free_mass().unwrap();
+        let screening = screened(&mobility, mass, factor * front_impedance());
         let front = screening.front.unwrap();
         assert!(
             (front.apparent / front_impedance() - 1.0).abs() < 0.08,
@@ -430,13 +396,9 @@ fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
         assert_eq!(found, contradicted, "{factor} {front:?}");
     }
     let reversed: Vec<Complex64> = mobility.iter().map(|line| -line).collect();
-    let flags = measured(&reversed).screen().flags();
-    assert!(
-        flags
-            .iter()
-            .any(|flag| matches!(flag, ScreeningFlag::FrontNotPositive { .. })),
-        "{flags:?}"
-    );
+    flagged(&measured(&reversed).screen(), |flag| {
+        matches!(flag, ScreeningFlag::FrontNotPositive { .. })
+    });
 }
 
 /// A free body of 2 kg on a support, with lines above `from_hz` and errors of 0.1 %: the objections

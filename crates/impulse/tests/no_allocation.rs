@@ -1,14 +1,12 @@
 //! A march allocates its arrays before the first step, and nothing during the steps.
 
-use impulse::{ContactLaw, Impact, MobilityLaw};
-use num_complex::Complex64;
+use impulse::{ContactLaw, Impact};
+
+use crate::bodies::{long_rod, mass};
 
 #[test]
 fn a_step_allocates_nothing() {
-    let striker = MobilityLaw::analytic(|s| 1.0 / (0.1 * s))
-        .free(0.1)
-        .unwrap();
-    let rod = MobilityLaw::analytic(|_| Complex64::from(1e-3));
+    let (striker, rod) = (mass(0.1), long_rod(1e3));
     for law in [ContactLaw::Rigid, ContactLaw::hertz(5e9).unwrap()] {
         let allocations = [4096.0, 8192.0].map(|n_steps| {
             let impact = Impact::between(&striker, &rod)

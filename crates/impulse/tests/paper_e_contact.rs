@@ -18,7 +18,7 @@ use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::{ConstantQ, Elastic, PowerLawPropagation};
 
-use super::bodies::{endless_rod, impedance};
+use crate::bodies::{endless_rod, impedance};
 use testbed::claim::{Claims, Ours, Within, missing, of};
 use testbed::difference::largest;
 use testbed::hold;
@@ -117,7 +117,7 @@ fn analytic(paper: &PaperE, name: &str) -> Ours<AnalyticChain> {
 
 fn predicted(paper: &Ours<PaperE>, name: &str, duration: f64, time_step: f64) -> Ours<Prediction> {
     let paper = paper.as_ref().map_err(Clone::clone)?;
-    let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter)?);
+    let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter));
     let prediction = Impact::between(&first, &second)
         .at_velocity(velocity(paper, name)?)
         .in_steps_of(time_step)
@@ -138,7 +138,7 @@ fn by_printed_law(
     let paper = paper.as_ref().map_err(Clone::clone)?;
     let builder = Chain::<AngularFrequency>::from_impact_face();
     let first = body(builder, &printed_nylon(paper)?, paper, name)?;
-    let second = endless_rod(paper.rod_diameter)?;
+    let second = endless_rod(paper.rod_diameter);
     Ok(Impact::between(&first, &second)
         .at_velocity(velocity(paper, name)?)
         .in_steps_of(time_step)
@@ -160,7 +160,7 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
         for (name, force, time, end) in CASES {
             let prediction = predicted(paper, name, 4e-3, 1e-6)?;
             let paper = paper.as_ref().map_err(Clone::clone)?;
-            let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter)?);
+            let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter));
             let stick = Impact::between(&first, &second)
                 .at_velocity(velocity(paper, name)?)
                 .in_steps_of(1e-6)
@@ -365,7 +365,7 @@ fn three_ways_agree(claims: &mut Claims, paper: &Ours<PaperE>) {
     ] {
         let error = |name| -> Ours {
             let paper = paper.as_ref().map_err(Clone::clone)?;
-            let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter)?);
+            let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter));
             let impact = Impact::between(&first, &second)
                 .at_velocity(velocity(paper, name)?)
                 .in_steps_of(1e-6);
@@ -415,7 +415,7 @@ fn the_law_as_printed(claims: &mut Claims, paper: &Ours<PaperE>) {
         let of_paper = paper.as_ref().map_err(Clone::clone)?;
         let builder = Chain::<AngularFrequency>::from_impact_face();
         let first = body(builder, &printed_nylon(of_paper)?, of_paper, name)?;
-        let second = endless_rod(of_paper.rod_diameter)?;
+        let second = endless_rod(of_paper.rod_diameter);
         let lines = Impact::between(&first, &second)
             .at_velocity(velocity(of_paper, name)?)
             .stick_force_on_lines(LineBand::PAPER_E)?;
@@ -452,7 +452,7 @@ fn a_body_known_on_lines_only() {
         .with_front_impedance(nylon * area)
         .unwrap();
     assert_eq!(body.screen().flags(), []);
-    let impact = Impact::between(&body, &endless_rod(paper.rod_diameter).unwrap())
+    let impact = Impact::between(&body, &endless_rod(paper.rod_diameter))
         .at_velocity(velocity(&paper, "TCA").unwrap())
         .in_steps_of(5e-6)
         .predict(2e-3)
@@ -472,7 +472,7 @@ fn local_compliance_takes_the_edge_off_the_first_jump() {
     };
     let (first, second) = (
         analytic(&paper, "TCB").unwrap(),
-        endless_rod(paper.rod_diameter).unwrap(),
+        endless_rod(paper.rod_diameter),
     );
     let impact = Impact::between(&first, &second)
         .at_velocity(0.93)

@@ -1,12 +1,13 @@
 //! A mass that strikes a long viscoelastic rod, against Talbot's inversion in 40 digits:
 //! `fixtures/reference/mpmath`.
 
-use impulse::{ForceHistory, Impact, MobilityLaw};
-use num_complex::Complex64;
+use impulse::{ForceHistory, Impact};
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::CrossSection;
 use rodwave::medium::Medium;
 use rodwave::modulus::FractionalZener;
+
+use crate::bodies::mass;
 
 const CONTACT: &str = include_str!("../../../fixtures/reference/mpmath/contact.csv");
 
@@ -36,9 +37,7 @@ fn a_mass_on_a_viscoelastic_rod() {
     let rod = AnalyticChain::analytic_from_impact_face()
         .end(Termination::semi_infinite(&medium, section))
         .unwrap();
-    let mass = MobilityLaw::analytic(|s: Complex64| 1.0 / (0.05 * s))
-        .free(0.05)
-        .unwrap();
+    let mass = mass(0.05);
     let reference = reference();
     assert_eq!(reference.len(), 40);
     let peak = reference

@@ -12,7 +12,8 @@ use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::{long_rod, mass, rod};
+use super::lossy_rod;
+use crate::bodies::{impedance, long_rod, mass, rod, wave_speed};
 
 #[test]
 fn requests_that_no_memory_holds_are_refused() {
@@ -118,11 +119,10 @@ fn draws_that_no_memory_holds_are_refused() {
 /// semi-infinite rod in one round trip.
 #[test]
 fn rods_from_a_millimetre_to_a_kilometre() {
-    let speed = (206e9_f64 / 7780.0).sqrt();
-    let impedance = (206e9_f64 * 7780.0).sqrt() * 0.25 * std::f64::consts::PI * 1e-4;
+    let impedance = impedance(0.01);
     for length in [1e-3, 1.0, 1e3] {
-        let round_trip = 2.0 * length / speed;
-        let found = Impact::between(&rod(length, 0.01, None), &long_rod(impedance))
+        let round_trip = 2.0 * length / wave_speed();
+        let found = Impact::between(&rod(0.01, length), &long_rod(impedance))
             .at_velocity(1.0)
             .predict(2.5 * round_trip)
             .unwrap();
@@ -147,7 +147,7 @@ fn rods_from_a_millimetre_to_a_kilometre() {
 #[test]
 fn loss_factors_from_nothing_to_ten() {
     for loss_factor in [1e-9, 1e-3, 0.5, 10.0] {
-        let found = Impact::between(&rod(0.3, 0.02, Some(loss_factor)), &long_rod(1e3))
+        let found = Impact::between(&lossy_rod(0.02, 0.3, loss_factor), &long_rod(1e3))
             .at_velocity(1.0)
             .predict(2e-3)
             .unwrap();

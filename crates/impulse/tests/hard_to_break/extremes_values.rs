@@ -9,7 +9,7 @@ use impulse::{
 use num_complex::Complex64;
 
 use super::hostile::{self, HOSTILE};
-use super::{long_rod, mass};
+use crate::bodies::{long_rod, mass};
 
 type Made = Result<Vec<f64>, ImpulseError>;
 

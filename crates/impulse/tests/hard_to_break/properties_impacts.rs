@@ -3,15 +3,16 @@
 use impulse::{ContactLaw, Impact, ImpactBody, Prediction, PredictionFlag};
 use proptest::prelude::*;
 
-use super::{long_rod, mass, rod};
+use super::lossy_rod;
+use crate::bodies::{impedance, long_rod, mass, rod, wave_speed};
 
 /// A free body by its number: masses and rods, elastic or not.
 fn body(kind: usize, size: f64) -> Box<dyn ImpactBody> {
     match kind {
         0 => Box::new(mass(0.1 + size)),
-        1 => Box::new(rod(0.05 + 0.4 * size, 0.012, None)),
-        2 => Box::new(rod(0.05 + 0.2 * size, 0.02, Some(0.02 + 0.2 * size))),
-        _ => Box::new(rod(0.1 + 0.3 * size, 0.01, Some(0.01))),
+        1 => Box::new(rod(0.012, 0.05 + 0.4 * size)),
+        2 => Box::new(lossy_rod(0.02, 0.05 + 0.2 * size, 0.02 + 0.2 * size)),
+        _ => Box::new(lossy_rod(0.01, 0.1 + 0.3 * size, 0.01)),
     }
 }
 
@@ -144,10 +145,9 @@ proptest! {
     /// of a step.
     #[test]
     fn steps_need_not_divide_arrivals(length in 0.05..0.5_f64, share in 0.003..0.02_f64) {
-        let speed = (206e9_f64 / 7780.0).sqrt();
-        let impedance = (206e9_f64 * 7780.0).sqrt() * 0.25 * std::f64::consts::PI * 1e-4;
-        let round_trip = 2.0 * length / speed;
-        let (first, second) = (rod(length, 0.01, None), long_rod(impedance));
+        let impedance = impedance(0.01);
+        let round_trip = 2.0 * length / wave_speed();
+        let (first, second) = (rod(0.01, length), long_rod(impedance));
         let found = Impact::between(&first, &second).at_velocity(1.0)
             .in_steps_of(share * round_trip).predict(1.6 * round_trip).unwrap();
         let exact = 0.5 * impedance * round_trip;
