@@ -21,7 +21,6 @@ mod hopkinson;
 mod measured_body;
 mod measured_impulse_response;
 mod no_allocation;
-mod paper_e;
 mod reconstruction;
 mod reference_mpmath;
 mod virtual_body;

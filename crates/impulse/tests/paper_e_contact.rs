@@ -7,21 +7,15 @@
 use std::f64::consts::TAU;
 
 use impulse::{
-    ContactLaw, ElasticMaterial, ForceHistory, Impact, LineBand, LowFrequency, MeasuredBody,
-    Prediction, PredictionFlag, Quadrature, Settlement, WeighedMass, lines_of,
+    ContactEnd, ContactLaw, ElasticMaterial, ForceHistory, Impact, ImpactBody, LineBand,
+    Prediction, PredictionFlag, Quadrature, Settlement, StickProblem, ZeroLine, lines_of, separate,
 };
-use rodwave::chain::{
-    AnalyticChain, AngularFrequency, Argument, Chain, ChainBuilder, LaplaceVariable, Termination,
-    WaveMedium,
-};
-use rodwave::element::Circle;
-use rodwave::medium::Medium;
-use rodwave::modulus::{ConstantQ, Elastic, PowerLawPropagation};
 
-use crate::bodies::{endless_rod, impedance};
-use testbed::claim::{Claims, Ours, Within, missing, of};
+use crate::bodies::{endless_rod, impedance, on_lines};
+use testbed::claim::{Claims, Ours, Within, of};
 use testbed::difference::largest;
 use testbed::hold;
+use testbed::papers::paper_e::bodies::Face;
 use testbed::papers::paper_e::{self, PaperE};
 
 const APART: &str =
@@ -31,11 +25,11 @@ const ROUNDED: f64 = 10e-6;
 
 /// A face of a body; peak of the force \[N\]; its time \[s\], unless the peak is the first jump;
 /// end of the contact by eq. 3 \[s\].
-const CASES: [(&str, f64, Option<f64>, f64); 4] = [
-    ("TCA", 2247.0, Some(0.47e-3), 1.16e-3),
-    ("TCB", 2029.0, None, 1.57e-3),
-    ("CCA", 1617.0, Some(0.19e-3), 0.86e-3),
-    ("CCB", 2450.0, None, 0.73e-3),
+const CASES: [(Face, f64, Option<f64>, f64); 4] = [
+    (Face::ConeA, 2247.0, Some(0.47e-3), 1.16e-3),
+    (Face::ConeB, 2029.0, None, 1.57e-3),
+    (Face::CylinderA, 1617.0, Some(0.19e-3), 0.86e-3),
+    (Face::CylinderB, 2450.0, None, 0.73e-3),
 ];
 
 #[test]
@@ -53,76 +47,27 @@ fn claims_hold() {
 }
 
 /// Largest of the numbers that `error` returns for the faces.
-fn worst(mut error: impl FnMut(&'static str) -> Ours) -> Ours {
+fn worst(mut error: impl FnMut(Face) -> Ours) -> Ours {
     let errors: Ours<Vec<f64>> = CASES.iter().map(|case| error(case.0)).collect();
     Ok(largest(errors?))
 }
 
-fn velocity(paper: &PaperE, name: &str) -> Ours {
-    let case = paper.cases.iter().find(|case| case.name == name);
-    Ok(case.ok_or_else(|| missing(name))?.impact_velocity)
+fn velocity(paper: &PaperE, face: Face) -> f64 {
+    paper.case(face).unwrap().impact_velocity
 }
 
-fn printed_nylon(paper: &PaperE) -> Ours<Medium<PowerLawPropagation>> {
-    let [alpha, alpha_exponent, k, k_exponent] = paper.nylon;
-    let law = PowerLawPropagation::new(alpha, alpha_exponent, k, k_exponent)?;
-    Ok(Medium::new(paper.nylon_density, law)?)
-}
-
-/// A constant loss factor with the propagation coefficient of eq. 7 at 3 kHz.
-fn constant_q(paper: &PaperE) -> Ours<Medium<ConstantQ>> {
-    let omega = TAU * 3e3;
-    let modulus = printed_nylon(paper)?.modulus(omega);
-    let law = ConstantQ::new(modulus.norm(), modulus.im / modulus.re, omega)?;
-    Ok(Medium::new(paper.nylon_density, law)?)
-}
-
-fn body<V: Argument, M>(
-    builder: ChainBuilder<V>,
-    nylon: &M,
-    paper: &PaperE,
-    name: &str,
-) -> Ours<Chain<V>>
-where
-    M: WaveMedium<V> + Clone + 'static,
-    Medium<Elastic>: WaveMedium<V>,
-{
-    let aluminium = Medium::new(
-        paper.aluminium_density,
-        Elastic::new(paper.aluminium_modulus)?,
-    )?;
-    let circle = |diameter: f64| Circle::of_diameter(diameter);
-    let [a, b] = paper.cone_diameter;
-    let builder = match name {
-        "TCA" => builder.cone(nylon, circle(a)?, circle(b)?, paper.cone_length),
-        "TCB" => builder.cone(nylon, circle(b)?, circle(a)?, paper.cone_length),
-        _ => {
-            let section = circle(paper.cylinder_diameter)?;
-            (0..4).fold(builder, |builder, part| {
-                if (part % 2 == 0) == (name == "CCA") {
-                    builder.rod(nylon, section, paper.section_length)
-                } else {
-                    builder.rod(&aluminium, section, paper.section_length)
-                }
-            })
-        }
-    };
-    Ok(builder.end(Termination::Free)?)
-}
-
-fn analytic(paper: &PaperE, name: &str) -> Ours<AnalyticChain> {
-    let builder = Chain::<LaplaceVariable>::analytic_from_impact_face();
-    body(builder, &constant_q(paper)?, paper, name)
-}
-
-fn predicted(paper: &Ours<PaperE>, name: &str, duration: f64, time_step: f64) -> Ours<Prediction> {
+fn predicted(paper: &Ours<PaperE>, face: Face, duration: f64, time_step: f64) -> Ours<Prediction> {
     let paper = paper.as_ref().map_err(Clone::clone)?;
-    let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter));
+    let (first, second) = (paper.causal(face).unwrap(), endless_rod(paper.rod_diameter));
     let prediction = Impact::between(&first, &second)
-        .at_velocity(velocity(paper, name)?)
+        .at_velocity(velocity(paper, face))
         .in_steps_of(time_step)
         .predict(duration)?;
-    assert!(duration < 1e-3 || prediction.flags.is_empty(), "{name}");
+    assert!(
+        duration < 1e-3 || prediction.flags.is_empty(),
+        "{}",
+        face.name()
+    );
     let mut force = prediction.history.force().iter();
     assert!(force.all(|force| force.is_finite() && *force >= 0.0));
     Ok(prediction)
@@ -131,16 +76,17 @@ fn predicted(paper: &Ours<PaperE>, name: &str, duration: f64, time_step: f64) ->
 /// Computes the contact with eq. 7 on the frequency axis, which is not a causal law.
 fn by_printed_law(
     paper: &Ours<PaperE>,
-    name: &str,
+    face: Face,
     duration: f64,
     time_step: f64,
 ) -> Ours<Prediction> {
     let paper = paper.as_ref().map_err(Clone::clone)?;
-    let builder = Chain::<AngularFrequency>::from_impact_face();
-    let first = body(builder, &printed_nylon(paper)?, paper, name)?;
-    let second = endless_rod(paper.rod_diameter);
+    let (first, second) = (
+        paper.printed(face).unwrap(),
+        endless_rod(paper.rod_diameter),
+    );
     Ok(Impact::between(&first, &second)
-        .at_velocity(velocity(paper, name)?)
+        .at_velocity(velocity(paper, face))
         .in_steps_of(time_step)
         .predict(duration)?)
 }
@@ -157,12 +103,12 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by(APART);
     let found = || -> Ours<[f64; 4]> {
         let (mut peaks, mut times, mut ends, mut marched) = (vec![], vec![], vec![], vec![]);
-        for (name, force, time, end) in CASES {
-            let prediction = predicted(paper, name, 4e-3, 1e-6)?;
+        for (face, force, time, end) in CASES {
+            let prediction = predicted(paper, face, 4e-3, 1e-6)?;
             let paper = paper.as_ref().map_err(Clone::clone)?;
-            let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter));
+            let (first, second) = (paper.causal(face).unwrap(), endless_rod(paper.rod_diameter));
             let stick = Impact::between(&first, &second)
-                .at_velocity(velocity(paper, name)?)
+                .at_velocity(velocity(paper, face))
                 .in_steps_of(1e-6)
                 .stick_force_damped(2e-3, ROUNDED / 2.5)?;
             let peak = stick.peak();
@@ -172,7 +118,8 @@ fn peaks_and_ends_of_contact(claims: &mut Claims, paper: &Ours<PaperE>) {
             let samples = (0..120).map(|k| rounded(&prediction.history, 5e-6 * f64::from(k)));
             marched.push(samples.fold(0.0, f64::max) / force - 1.0);
             let contacts = contacts(&prediction);
-            assert!(name == "TCB" || contacts.len() == 1, "{name}: {contacts:?}");
+            let is_alone = face == Face::ConeB || contacts.len() == 1;
+            assert!(is_alone, "{}: {contacts:?}", face.name());
             let before = contacts.into_iter().map(|(_, end)| end);
             ends.push(before.filter(|end| *end < 1.7e-3).fold(0.0, f64::max) - end);
         }
@@ -234,14 +181,14 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
         let area = std::f64::consts::FRAC_PI_4 * paper.cylinder_diameter.powi(2);
         let aluminium = area * (paper.aluminium_modulus * paper.aluminium_density).sqrt();
         let impedance = 1.0 / (1.0 / aluminium + 1.0 / impedance(paper.rod_diameter));
-        Ok(prediction?.history.force()[0] / (impedance * velocity(paper, "CCB")?))
+        Ok(prediction?.history.force()[0] / (impedance * velocity(paper, Face::CylinderB)))
     };
     claims.claim(
         "CCB: force of the first instant, relative to that jump",
         "1",
         1.0,
         Within(1e-8, "the step of 0.1 us, in which no echo has returned"),
-        over_exact(predicted(paper, "CCB", 1e-4, 1e-7)),
+        over_exact(predicted(paper, Face::CylinderB, 1e-4, 1e-7)),
     );
     claims.claim(
         "CCB by eq. 7 as printed: force of the first instant, relative to that jump",
@@ -251,7 +198,7 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
             2e-3,
             "with a law that is not causal, a part of the echo from the first joint arrives too early",
         ),
-        over_exact(by_printed_law(paper, "CCB", 2e-3, 1e-6)),
+        over_exact(by_printed_law(paper, Face::CylinderB, 2e-3, 1e-6)),
     );
 }
 
@@ -259,7 +206,7 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
 /// touches again three times.
 fn the_wide_end_of_the_cone_touches_again(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by("paper E, eq. 3, erratum: face B of the cone touches again; by 800 slices and steps of 0.25 us, computed separately");
-    let found = predicted(paper, "TCB", 8e-3, 1e-6);
+    let found = predicted(paper, Face::ConeB, 8e-3, 1e-6);
     let again = [
         (1.8432e-3, 2.0585e-3),
         (2.4475e-3, 2.5322e-3),
@@ -363,11 +310,11 @@ fn three_ways_agree(claims: &mut Claims, paper: &Ours<PaperE>) {
             ),
         ),
     ] {
-        let error = |name| -> Ours {
+        let error = |face| -> Ours {
             let paper = paper.as_ref().map_err(Clone::clone)?;
-            let (first, second) = (analytic(paper, name)?, endless_rod(paper.rod_diameter));
+            let (first, second) = (paper.causal(face).unwrap(), endless_rod(paper.rod_diameter));
             let impact = Impact::between(&first, &second)
-                .at_velocity(velocity(paper, name)?)
+                .at_velocity(velocity(paper, face))
                 .in_steps_of(1e-6);
             let damped = impact.stick_force_damped(1.5e-3, ROUNDED / 2.5)?;
             let peak = damped.peak().force;
@@ -389,35 +336,34 @@ fn three_ways_agree(claims: &mut Claims, paper: &Ours<PaperE>) {
 
 fn the_law_as_printed(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by("paper E, eq. 7 as printed against a causal law at its level");
-    let over = |name: &str, number: fn(&Prediction) -> f64| -> Ours {
-        let causal = predicted(paper, name, 4e-3, 2e-6)?;
-        Ok(number(&by_printed_law(paper, name, 4e-3, 2e-6)?) / number(&causal) - 1.0)
+    let over = |face: Face, number: fn(&Prediction) -> f64| -> Ours {
+        let causal = predicted(paper, face, 4e-3, 2e-6)?;
+        Ok(number(&by_printed_law(paper, face, 4e-3, 2e-6)?) / number(&causal) - 1.0)
     };
     claims.deviation(
         "TCA, TCB, CCA and CCB: peak with the printed power laws over that with a constant loss factor, minus 1",
         Within(0.01, "the moduli of the two laws differ by this much between 1 and 10 kHz"),
-        worst(|name| over(name, |prediction| prediction.peak().force)),
+        worst(|face| over(face, |prediction| prediction.peak().force)),
     );
     claims.deviation(
         "TCA, TCB, CCA and CCB: impulse with the printed power laws over that with a constant loss factor, minus 1, in units of 1, 2, 1 and 0.5 %",
         Within(1.0, "the difference of the moduli, which also changes the ends of the contacts"),
-        worst(|name| {
-            let allowed = match name {
-                "TCB" => 0.02,
-                "CCB" => 0.005,
+        worst(|face| {
+            let allowed = match face {
+                Face::ConeB => 0.02,
+                Face::CylinderB => 0.005,
                 _ => 0.01,
             };
-            Ok(over(name, |prediction| prediction.balance().impulse)? / allowed)
+            Ok(over(face, |prediction| prediction.balance().impulse)? / allowed)
         }),
     );
     claims.by("band and samples of paper E, section 3.2, against the force without a band");
-    let peak_of_lines = |name: &str| -> Ours {
+    let peak_of_lines = |face: Face| -> Ours {
         let of_paper = paper.as_ref().map_err(Clone::clone)?;
-        let builder = Chain::<AngularFrequency>::from_impact_face();
-        let first = body(builder, &printed_nylon(of_paper)?, of_paper, name)?;
+        let first = of_paper.printed(face).unwrap();
         let second = endless_rod(of_paper.rod_diameter);
         let lines = Impact::between(&first, &second)
-            .at_velocity(velocity(of_paper, name)?)
+            .at_velocity(velocity(of_paper, face))
             .stick_force_on_lines(LineBand::PAPER_E)?;
         assert_eq!(lines.settlement, Settlement::Settled);
         assert_eq!(lines.history.force().len(), 2048);
@@ -425,7 +371,7 @@ fn the_law_as_printed(claims: &mut Claims, paper: &Ours<PaperE>) {
     };
     let lines = || -> Ours {
         let peaks: Ours<Vec<f64>> = CASES.iter().map(|case| peak_of_lines(case.0)).collect();
-        Ok(peaks?[0] / by_printed_law(paper, "TCA", 4e-3, 2e-6)?.peak().force)
+        Ok(peaks?[0] / by_printed_law(paper, Face::ConeA, 4e-3, 2e-6)?.peak().force)
     };
     claims.claim(
         "TCA: peak of the plain transform of 2048 samples over that of the marched force",
@@ -439,25 +385,18 @@ fn the_law_as_printed(claims: &mut Claims, paper: &Ours<PaperE>) {
 #[test]
 fn a_body_known_on_lines_only() {
     let paper = paper_e::load().unwrap();
-    let exact = analytic(&paper, "TCA").unwrap();
-    let weighed = LowFrequency::Free(WeighedMass {
-        mass: exact.free_mass().unwrap(),
-        standard_error: 1e-4,
-    });
-    let nylon = constant_q(&paper).unwrap();
+    let nylon = paper.causal_nylon().unwrap();
     let nylon = nylon.specific_characteristic_impedance(TAU * 2e4).re;
     let area = std::f64::consts::FRAC_PI_4 * paper.cone_diameter[0].powi(2);
-    let body = MeasuredBody::from_mobility(&lines_of(&exact, 5.0, 4001).unwrap(), 5.0, weighed)
-        .unwrap()
-        .with_front_impedance(nylon * area)
-        .unwrap();
+    let exact = paper.causal(Face::ConeA).unwrap();
+    let body = on_lines(&exact, nylon * area, 5.0, 4001);
     assert_eq!(body.screen().flags(), []);
     let impact = Impact::between(&body, &endless_rod(paper.rod_diameter))
-        .at_velocity(velocity(&paper, "TCA").unwrap())
+        .at_velocity(velocity(&paper, Face::ConeA))
         .in_steps_of(5e-6)
         .predict(2e-3)
         .unwrap();
-    let reference = predicted(&Ok(paper), "TCA", 2e-3, 5e-6).unwrap();
+    let reference = predicted(&Ok(paper), Face::ConeA, 2e-3, 5e-6).unwrap();
     assert!((impact.peak().force / reference.peak().force - 1.0).abs() < 0.01);
     assert!((impact.balance().impulse / reference.balance().impulse - 1.0).abs() < 2e-3);
 }
@@ -467,11 +406,11 @@ fn a_body_known_on_lines_only() {
 fn local_compliance_takes_the_edge_off_the_first_jump() {
     let paper = paper_e::load().unwrap();
     let nylon = ElasticMaterial {
-        modulus: constant_q(&paper).unwrap().modulus(TAU * 5e3).re,
+        modulus: paper.causal_nylon().unwrap().modulus(TAU * 5e3).re,
         poisson_ratio: 0.4,
     };
     let (first, second) = (
-        analytic(&paper, "TCB").unwrap(),
+        paper.causal(Face::ConeB).unwrap(),
         endless_rod(paper.rod_diameter),
     );
     let impact = Impact::between(&first, &second)
@@ -486,4 +425,76 @@ fn local_compliance_takes_the_edge_off_the_first_jump() {
     let [rigid, soft] = [&rigid, &soft].map(|p| p.balance().impulse);
     // the cone gives up its momentum either way
     assert!((soft / rigid - 1.0).abs() < 0.05, "{soft} {rigid}");
+}
+
+/// Predictions as in the paper: mobilities up to 10 kHz for 2048 samples of the force (Ödeen 1993,
+/// paper E, section 3.2), with nylon by its eq. 7. The paper does not state the value at 0 Hz. Here
+/// the bodies are weighed; leaving the line out would shift the force by -VM/T.
+#[test]
+fn peaks_and_ends_of_contact_on_the_lines_of_the_paper() {
+    let paper = paper_e::load().unwrap();
+    for (face, force, time, end) in CASES.into_iter().filter(|case| case.0 != Face::ConeB) {
+        let (name, body) = (face.name(), paper.printed(face).unwrap());
+        let rod = endless_rod(paper.rod_diameter);
+        let stick = Impact::between(&body, &rod)
+            .at_velocity(velocity(&paper, face))
+            .stick_force_on_lines(LineBand::PAPER_E)
+            .unwrap();
+        assert_eq!(stick.settlement, Settlement::Settled);
+        assert_eq!(stick.nonpassive_lines, 0);
+        let peak = stick.history.peak();
+        // the peak of CCB is the jump at contact, which a band of 10 kHz cannot reproduce
+        if let Some(time) = time {
+            // The references were computed with a constant-Q nylon at the level of eq. 7, and free
+            // of a band limit; the samples here are 0.05 ms apart and ring at contact. The
+            // tolerances are 3 % of the force, and one sample in time.
+            assert!((peak.force / force - 1.0).abs() < 0.03, "{name}: {peak:?}");
+            assert!((peak.time - time).abs() < 0.05e-3, "{name}: {peak:?}");
+        }
+        // the jump at contact rings with F(0)/(πn) at n samples from it, 2 % and less from 0.8 ms
+        // on where the contacts end
+        let impact = separate(&stick.history, 0.02 * peak.force).unwrap();
+        let ContactEnd::Separated { time } = impact.end else {
+            panic!("{name}: {:?}", impact.end)
+        };
+        // half a unit of the last printed digit, and as much again for the law and the linear
+        // interpolation
+        assert!((time - end).abs() < 0.01e-3, "{name}: {time}");
+        // The body rebounds: the impulse is more than its momentum, and less than twice as much.
+        let momentum = body.free_mass().unwrap() * velocity(&paper, face);
+        let taken = impact.history.impulse() / momentum;
+        assert!(taken > 1.0 && taken < 2.0, "{name}: {taken}");
+    }
+}
+
+/// Momentum without weighing: if the constant is chosen for a quiet time before contact, the total
+/// impulse of the stick force is M V from the mobility alone.
+#[test]
+fn the_stick_force_stops_the_body() {
+    let paper = paper_e::load().unwrap();
+    for (face, ..) in CASES.into_iter().filter(|case| case.0 != Face::ConeB) {
+        let body = paper.printed(face).unwrap();
+        // the lines of the paper, up to 200 kHz and with a roll-off: the largest error is the
+        // response before contact of the non-causal law of eq. 7, 3e-4 of its modulus
+        let frequency_step_hz = 10e3 / 1024.0;
+        let lines =
+            |body: &dyn ImpactBody| lines_of(body, frequency_step_hz, 20 * 1024 + 1).unwrap();
+        let (first, second) = (lines(&body), lines(&endless_rod(paper.rod_diameter)));
+        let stick = StickProblem {
+            first: &first,
+            second: &second,
+            frequency_step_hz,
+            impact_velocity: velocity(&paper, face),
+            zero_line: ZeroLine::QuietBeforeContact,
+            roll_off_from_hz: Some(100e3),
+            interpolation: 1,
+            until: None,
+        };
+        let stick = stick.solve().unwrap();
+        assert_eq!(stick.settlement, Settlement::Settled);
+        assert_eq!(stick.nonpassive_lines, 0);
+        let momentum = body.free_mass().unwrap() * velocity(&paper, face);
+        let ratio = stick.history.impulse() / momentum;
+        assert!((ratio - 1.0).abs() < 1e-3, "{}: {ratio}", face.name());
+    }
 }
