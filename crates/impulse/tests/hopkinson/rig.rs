@@ -131,6 +131,11 @@ pub(crate) fn evaluated(test: &HopkinsonTest, record: &HopkinsonRecord) -> Hopki
     test.evaluate(record, &mut random).unwrap()
 }
 
+/// The sample in the middle of the loading.
+pub(crate) fn middle(result: &HopkinsonResult) -> usize {
+    result.loaded.start + result.loaded.len() / 2
+}
+
 /// Worst differences of stress and strain from the truth over the loaded time, relative to the
 /// largest value.
 pub(crate) fn worst(
