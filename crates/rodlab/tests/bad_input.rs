@@ -4,18 +4,17 @@
 use std::fs;
 use std::path::Path;
 
-use crate::runs::{copy_example, done, rodlab, text as text_of};
+use crate::runs::{Folder, done, rodlab, text as text_of};
 
 /// Runs the example of polypropylene after `change` of its sheet.
 fn said_of(change: impl Fn(&str) -> String) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    copy_example("polypropylene", folder.path());
-    let sheet = folder.path().join("modulus.ron");
+    let folder = Folder::of_example("polypropylene");
+    let sheet = folder.file("modulus.ron");
     let text = fs::read_to_string(&sheet).unwrap();
     let changed = change(&text);
     assert_ne!(text, changed, "the change found nothing to change");
     fs::write(&sheet, changed).unwrap();
-    let run = rodlab(folder.path(), &["modulus", "modulus.ron", "--quiet"]);
+    let run = folder.rodlab("modulus modulus.ron --quiet");
     assert_eq!(text_of(&run.stdout), "");
     let done = folder.path().join("modulus-result/result.json").exists();
     // with status 2 there is no result, with status 1 there is one
@@ -165,14 +164,14 @@ fn too_few_hits() {
 /// Returns the message about a sheet of the job `job` with this text. Fails if the message takes
 /// half a minute.
 fn said_at_once(job: &str, text: &str) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("sheet.ron"), text).unwrap();
+    let folder = Folder::new();
+    folder.write("sheet.ron", text);
     let began = std::time::Instant::now();
     let run = rodlab(folder.path(), &[job, "sheet.ron", "--quiet"]);
     // a sheet that is not refused is computed for minutes
     assert!(began.elapsed().as_secs() < 30, "{:?}", began.elapsed());
     assert_eq!(run.status.code(), Some(2));
-    assert!(!folder.path().join("sheet-result").exists());
+    assert!(!folder.has("sheet-result"));
     text_of(&run.stderr)
 }
 
@@ -248,9 +247,9 @@ fn r20_an_unusual_material_is_taken_if_the_sheet_says_so() {
         "density: \"900 kg/m3\"",
         "density: \"900 kg/m3\", unusual: true",
     );
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("sheet.ron"), meant).unwrap();
-    done(folder.path(), &["check", "sheet.ron"]);
+    let folder = Folder::new();
+    folder.write("sheet.ron", meant);
+    folder.done("check sheet.ron");
 }
 
 #[test]

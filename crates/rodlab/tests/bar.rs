@@ -2,17 +2,15 @@
 //! laboratories.
 
 use std::f64::consts::TAU;
-use std::fs;
 use std::path::Path;
 
 use num_complex::Complex64;
 use rodlab::Outcome;
 use rodlab::outcome::Verdict;
 use rodlab::templates::JobName;
-use tempfile::TempDir;
 use testbed::long_bar::LongBar;
 
-use crate::runs::{Words, column, outcome_of as run, words, write_columns};
+use crate::runs::{Folder, Words, column, words, write_columns};
 
 /// A bar with gauges 900 and 500 mm before the free end and a quiet recorder; a pulse of 2 ms
 /// overlaps with its reflections.
@@ -117,9 +115,9 @@ fn the_true_law_explains_damped_lines() {
         (two, two_gauges(), vec![1.0, 1.025]),
     ] {
         let rejected = (0..6).filter(|seed| {
-            let folder = TempDir::new().unwrap();
+            let folder = Folder::new();
             write(folder.path(), &bar.shot(&gains, *seed));
-            let outcome = run(folder.path(), &text).unwrap();
+            let outcome = folder.run(&text).unwrap();
             outcome
                 .warnings
                 .iter()
@@ -137,9 +135,9 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
     ] {
         let mut counts = [0; 3];
         for seed in 0..6 {
-            let folder = TempDir::new().unwrap();
+            let folder = Folder::new();
             write(folder.path(), &bar.shot(&gains, seed));
-            let outcome = run(folder.path(), &text).unwrap();
+            let outcome = folder.run(&text).unwrap();
             assert_eq!(outcome.job, "bar");
             if seed == 0 {
                 assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
@@ -180,16 +178,16 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
 /// A later sheet accepts the material that `rodlab bar` writes, and lists its file as an input.
 #[test]
 fn the_material_of_a_bar_goes_into_a_later_sheet() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     write(folder.path(), &long_pulse().shot(&[1.0, 0.98], 3));
-    let outcome = run(folder.path(), &two_gauges()).unwrap();
+    let outcome = folder.run(&two_gauges()).unwrap();
     for file in &outcome.attachments {
-        fs::write(folder.path().join(&file.name), &file.bytes).unwrap();
+        folder.write(&file.name, &file.bytes);
     }
     let force = r#"Force(title: "striker", materials: {"bar": (law: Result("material.json"))},
         problem: Impact(first: RigidMass("1.2 kg"), second: LongRod(material: "bar", diameter: "20 mm"), velocity: "3 m/s", duration: "3 ms",
             band: "6 kHz"))"#;
-    let struck = run(folder.path(), force).unwrap();
+    let struck = folder.run(force).unwrap();
     assert!(
         struck
             .inputs
@@ -200,7 +198,7 @@ fn the_material_of_a_bar_goes_into_a_later_sheet() {
 
 #[test]
 fn mistakes_on_a_bar_are_named() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let two = long_pulse().shot(&[1.0, 1.0], 1);
     let one = short_pulse().shot(&[1.0], 1);
     let clipped: Vec<f64> = {
@@ -293,7 +291,7 @@ fn mistakes_on_a_bar_are_named() {
     let mut wrong = Vec::new();
     for (name, rows, text, words) in cases {
         write(folder.path(), rows);
-        let said = match run(folder.path(), &text) {
+        let said = match folder.run(&text) {
             Err(error) => error.to_string(),
             Ok(outcome) => format!(
                 "{:?} {:?} {:?}",

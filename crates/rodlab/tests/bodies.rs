@@ -1,16 +1,13 @@
 //! Materials and bodies of sheets against closed forms: each law as a long rod, each element at low
 //! frequency.
 
-use crate::two_masses;
-
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use num_complex::Complex64;
 use rodlab::Outcome;
-use two_masses::{attempt, column};
 
-use crate::runs::Refused;
+use crate::runs::{Refused, column, outcome_of};
 
 const DENSITY: f64 = 1150.0;
 const DIAMETER: f64 = 0.02;
@@ -20,7 +17,7 @@ fn computed(law: &str, body: &str) -> Outcome {
         r#"Mobility(title: "computed", materials: {{ "it": (density: "1150 kg/m3", law: {law}, unusual: true) }},
         source: Computed(body: {body}, up_to: "10 kHz", lines: 100))"#
     );
-    attempt(Path::new("."), &text).unwrap()
+    outcome_of(Path::new("."), &text).unwrap()
 }
 
 fn lines(outcome: &Outcome) -> Vec<(f64, Complex64)> {
@@ -206,7 +203,7 @@ fn what_is_wrong_with_an_assembly_is_said_at_its_place() {
             joints: [{joints}])))"#,
             "{}"
         );
-        attempt(Path::new("."), &text).refused()
+        outcome_of(Path::new("."), &text).refused()
     };
     let joined = r#"(between: ("rod", "bit"), stiffness: "1 MN/m")"#;
     for (face, joints, rest, expected) in [

@@ -13,10 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use tempfile::TempDir;
-
 use crate::faults::folder::files_in;
-use crate::runs::{Words, rodlab, text};
+use crate::runs::{Folder, Words, rodlab, text};
 
 /// A mass that strikes a long rod.
 fn sheet(velocity: &str, duration: &str) -> String {
@@ -28,10 +26,10 @@ fn sheet(velocity: &str, duration: &str) -> String {
 
 /// Seven tests in two folders: five that are good, one whose contact cannot be resolved, one with a
 /// mistake.
-fn campaign() -> TempDir {
-    let folder = TempDir::new().unwrap();
+fn campaign() -> Folder {
+    let folder = Folder::new();
     let write = |name: &str, contents: &str| {
-        let path = folder.path().join("campaign").join(name);
+        let path = folder.file("campaign").join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, contents).unwrap();
     };
@@ -84,7 +82,7 @@ fn assert_same_files(one: &Path, other: &Path) {
 #[test]
 fn one_bad_test_stops_no_other() {
     let folder = campaign();
-    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let run = folder.rodlab("batch campaign --out results");
     assert_eq!(run.status.code(), Some(2), "{}", text(&run.stderr));
     let said = text(&run.stdout);
     let (warnings, mut lines): (Vec<&str>, Vec<&str>) =
@@ -102,7 +100,7 @@ fn one_bad_test_stops_no_other() {
     lines[6].must_begin("wrong input  slow/wrong: campaign/slow/wrong.ron:1:");
     lines[5].must_begin("not allowed  fast/stiff: ");
 
-    let summary = fs::read_to_string(folder.path().join("results/summary.csv")).unwrap();
+    let summary = folder.read("results/summary.csv");
     let statuses: Vec<&str> = summary
         .lines()
         .map(|line| line.split(',').nth(3).unwrap())
@@ -112,13 +110,13 @@ fn one_bad_test_stops_no_other() {
         statuses.join(", "),
         "status, answered, answered, not allowed, answered, answered, answered, wrong input"
     );
-    let page = fs::read_to_string(folder.path().join("results/index.html")).unwrap();
+    let page = folder.read("results/index.html");
     page.must_say("href=\"slow/1/report.html\"");
     assert!(
         !page.contains("href=\"slow/wrong/"),
         "what failed has no report"
     );
-    let quantities = fs::read_to_string(folder.path().join("results/quantities.csv")).unwrap();
+    let quantities = folder.read("results/quantities.csv");
     assert_eq!(
         quantities
             .lines()
@@ -137,27 +135,24 @@ fn the_number_of_threads_changes_no_byte() {
             &["batch", "campaign", "--out", out, "--jobs", jobs],
         );
     }
-    assert_same_files(&folder.path().join("one"), &folder.path().join("four"));
+    assert_same_files(&folder.file("one"), &folder.file("four"));
 }
 
 #[test]
 fn parts_of_a_campaign_make_the_whole() {
     let folder = campaign();
-    rodlab(folder.path(), &["batch", "campaign", "--out", "whole"]);
+    folder.rodlab("batch campaign --out whole");
     for part in ["1/3", "2/3", "3/3"] {
         let run = rodlab(
             folder.path(),
             &["batch", "campaign", "--out", "parts", "--shard", part],
         );
         assert!(run.status.code().is_some_and(|status| status <= 2));
-        assert!(
-            !folder.path().join("parts/summary.csv").exists(),
-            "a part is no campaign"
-        );
+        assert!(!folder.has("parts/summary.csv"), "a part is no campaign");
     }
-    let merged = rodlab(folder.path(), &["merge", "parts"]);
+    let merged = folder.rodlab("merge parts");
     assert_eq!(merged.status.code(), Some(2));
-    assert_same_files(&folder.path().join("parts"), &folder.path().join("whole"));
+    assert_same_files(&folder.file("parts"), &folder.file("whole"));
 }
 
 #[test]

@@ -5,9 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-use crate::runs::{Words, copy_example, rodlab, text};
+use crate::runs::{Folder, Words, rodlab, text};
 
 /// A plan with two velocities, two masses and three seeds.
 const PLAN: &str = r#"Sweep(template: "hit.template", grid: [(name: "velocity", values: ["1 m/s", "2 m/s"]),
@@ -17,10 +16,10 @@ const TEMPLATE: &str = r#"// number {{seed}}
 Force(title: "{{ mass }}, {{seed}}", problem: Impact(first: RigidMass("{{mass}}"), second: Impedance("1000 kg/s"),
     velocity: "{{velocity}}", duration: "4 ms", time_step: "10 us"))"#;
 
-fn folder_with(plan: &str, template: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("plan.ron"), plan).unwrap();
-    fs::write(folder.path().join("hit.template"), template).unwrap();
+fn folder_with(plan: &str, template: &str) -> Folder {
+    let folder = Folder::new();
+    folder.write("plan.ron", plan);
+    folder.write("hit.template", template);
     folder
 }
 
@@ -33,12 +32,12 @@ fn listed(folder: &Path, sheets: &str, status: i32) -> Vec<Value> {
 #[test]
 fn a_plan_makes_a_sheet_for_each_combination() {
     let folder = folder_with(PLAN, TEMPLATE);
-    let done = rodlab(folder.path(), &["sweep", "plan.ron"]);
+    let done = folder.rodlab("sweep plan.ron");
     assert_eq!(
         text(&done.stdout),
         "12 sheets and sweep.csv in plan-sheets\n"
     );
-    let sheets = folder.path().join("plan-sheets");
+    let sheets = folder.file("plan-sheets");
     let list = fs::read_to_string(sheets.join("sweep.csv")).unwrap();
     let lines: Vec<&str> = list.lines().collect();
     assert_eq!(lines.len(), 13);
@@ -65,7 +64,7 @@ fn a_plan_makes_a_sheet_for_each_combination() {
     // a second sweep replaces no file, and writes no sheet at all if one of the files exists
     fs::remove_file(sheets.join("hit-01.ron")).unwrap();
     fs::write(sheets.join("hit-02.ron"), "mine").unwrap();
-    let again = rodlab(folder.path(), &["sweep", "plan.ron"]);
+    let again = folder.rodlab("sweep plan.ron");
     assert_eq!(again.status.code(), Some(2));
     text(&again.stderr).must_say("hit-02.ron: it exists already");
     assert!(!sheets.join("hit-01.ron").exists());
@@ -129,41 +128,35 @@ fn a_plan_that_does_not_fit_its_template_writes_nothing() {
     ];
     for (plan, template, said) in cases {
         let folder = folder_with(&plan, &template);
-        let done = rodlab(folder.path(), &["sweep", "plan.ron"]);
+        let done = folder.rodlab("sweep plan.ron");
         let words = text(&done.stderr).replace("\n  │ ", " ");
         assert_eq!(done.status.code(), Some(2), "{words}");
         words.must_say(said);
-        assert!(!folder.path().join("plan-sheets").exists(), "{said}");
+        assert!(!folder.has("plan-sheets"), "{said}");
     }
 }
 
 #[test]
 fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
-    let folder = TempDir::new().unwrap();
-    copy_example("polypropylene", folder.path());
+    let folder = Folder::of_example("polypropylene");
     let before = listed(folder.path(), "modulus.ron", 0);
     assert_eq!(before[0]["test"], "modulus");
     assert_eq!(before[0]["inputs"].as_array().unwrap().len(), 5);
     // the files are those of the result
-    assert!(
-        rodlab(folder.path(), &["modulus", "modulus.ron"])
-            .status
-            .success()
-    );
-    let result = fs::read(folder.path().join("modulus-result/result.json")).unwrap();
-    let result: Value = serde_json::from_slice(&result).unwrap();
+    assert!(folder.rodlab("modulus modulus.ron").status.success());
+    let result = folder.json("modulus-result/result.json");
     assert_eq!(before[0]["inputs"], result["inputs"]);
     assert_eq!(before[0]["sha256"], result["sheet"]["sha256"]);
     assert_eq!(before, listed(folder.path(), "modulus.ron", 0));
 
-    let file = folder.path().join("hits-3.npy");
+    let file = folder.file("hits-3.npy");
     let mut bytes = fs::read(&file).unwrap();
     *bytes.last_mut().unwrap() ^= 1; // a sign or an exponent of the last sample
     fs::write(&file, &bytes).unwrap();
     let after = listed(folder.path(), "modulus.ron", 0);
     assert_eq!(after[0]["sha256"], before[0]["sha256"]);
     assert_ne!(after[0]["key"], before[0]["key"]);
-    fs::rename(&file, folder.path().join("hits-6.npy")).unwrap();
+    fs::rename(&file, folder.file("hits-6.npy")).unwrap();
     assert_ne!(
         listed(folder.path(), "modulus.ron", 0)[0]["key"],
         after[0]["key"]
@@ -185,7 +178,7 @@ fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
             .contains("wrong.ron:1:14: Force.title")
     );
     assert_eq!(all[2]["key"], Value::Null);
-    let words = text(&rodlab(folder.path(), &["list", "*.ron"]).stdout);
+    let words = text(&folder.rodlab("list *.ron").stdout);
     words.must_say("wrong  wrong input: wrong.ron:1:14");
     words.must_say("modulus  modulus      5 files  ");
 }

@@ -19,7 +19,7 @@ use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 use testbed::long_bar::LongBar;
 use testbed::noise::Noise;
 
-use crate::runs::{Refused, Words, column, write_columns};
+use crate::runs::{Folder, Refused, Words, column, write_columns};
 
 const RATE: f64 = 1e6;
 const LENGTH: f64 = 0.006;
@@ -179,7 +179,7 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
     let seeds = testbed::noise::draws(12);
     let (mut sum, mut exact, mut doubts) = ([0; 3], [0; 3], 0);
     for seed in 0..seeds {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = Folder::new();
         let mut noise = Noise::seeded(700 + seed);
         let density = 1150.0 + DENSITY * noise.normal();
         let bar = measure_bar(folder.path(), density, &mut noise, seed);
@@ -189,7 +189,7 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
         let start = text.find("\"errors\": [").unwrap();
         let end = text.find("\"doubts\"").unwrap();
         let without = format!("{}\"errors\": [], {}", &text[..start], &text[end..]);
-        fs::write(folder.path().join("exact.json"), without).unwrap();
+        folder.write("exact.json", without);
         for (file, sum) in [("material.json", &mut sum), ("exact.json", &mut exact)] {
             let material = format!("(law: Result({file:?}))");
             let mut noise = Noise::seeded(900 + seed);
@@ -236,7 +236,7 @@ fn chain_from_a_measured_bar_to_a_force_covers() {
     let seeds = testbed::noise::draws(12);
     let (mut inside, mut all, mut worst) = (0, 0, 0.0_f64);
     for seed in 0..seeds {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = Folder::new();
         let mut noise = Noise::seeded(700 + seed);
         let density = 1150.0 + DENSITY * noise.normal();
         measure_bar(folder.path(), density, &mut noise, seed);
@@ -277,7 +277,7 @@ fn chain_from_a_measured_bar_to_a_force_covers() {
 /// Faults in the file of a material, and jobs that cannot use such a file.
 #[test]
 fn chain_names_what_is_wrong() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let with = |material: &str| {
         let text = format!(
             r#"Force(title: "x", materials: {{"nylon": {material}}}, problem: Impact(
@@ -287,7 +287,7 @@ fn chain_names_what_is_wrong() {
         run(folder.path(), "force", &text)
     };
     let file = |text: &str| {
-        fs::write(folder.path().join("material.json"), text).unwrap();
+        folder.write("material.json", text);
         with(r#"(law: Result("material.json"))"#)
     };
     assert_eq!(file(GOOD).unwrap().verdict, Verdict::Answered);
@@ -318,7 +318,7 @@ fn chain_names_what_is_wrong() {
     }
     let refused = with(r#"(law: Result("other.json"))"#).refused();
     refused.must_say("other.json");
-    fs::write(folder.path().join("material.json"), GOOD).unwrap();
+    folder.write("material.json", GOOD);
     for (material, said) in [
         (
             r#"(density: "1150 kg/m3", law: Result("material.json"))"#,
@@ -340,8 +340,8 @@ fn chain_names_what_is_wrong() {
 /// are not included.
 #[test]
 fn chain_material_in_a_virtual_test_is_its_law() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("material.json"), GOOD).unwrap();
+    let folder = Folder::new();
+    folder.write("material.json", GOOD);
     let by_lines = r#"EndAccelerations(material: "nylon", length: "0.4 m", diameter: "16 mm",
         blows: (hits: 1, peak: "100 N", duration: "80 us"))"#;
     let by_march = r#"HopkinsonBars(
@@ -389,14 +389,14 @@ fn chain_material_in_a_virtual_test_is_its_law() {
 /// result and those of its source.
 #[test]
 fn chain_of_results_is_verified() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for file in ["modulus.ron", "striker.ron", "shot-1.npy"] {
         let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polymer_bar");
-        fs::copy(example.join(file), folder.path().join(file)).unwrap();
+        fs::copy(example.join(file), folder.file(file)).unwrap();
     }
     let results = ["modulus", "striker"].map(|name| {
-        let result = folder.path().join(format!("{name}-result"));
-        let sheet = folder.path().join(format!("{name}.ron"));
+        let result = folder.file(format!("{name}-result"));
+        let sheet = folder.file(format!("{name}.ron"));
         let go_on = AtomicBool::new(false);
         rodlab::finished::finish(
             &sheet,
@@ -433,7 +433,7 @@ fn chain_of_results_is_verified() {
         ["the input shot-1.npy has changed"]
     );
     fs::write(results[1].join("force.csv"), "0,0").unwrap();
-    fs::remove_file(folder.path().join("striker.ron")).unwrap();
+    fs::remove_file(folder.file("striker.ron")).unwrap();
     assert_eq!(
         verify().changed,
         [

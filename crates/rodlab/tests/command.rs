@@ -7,9 +7,8 @@ use std::process::Command;
 use labio::Ordinate;
 use labio::format::workbook::Xlsx;
 use labio::format::{Reader, Strictness};
-use tempfile::TempDir;
 
-use crate::runs::{Words, done, rodlab, text};
+use crate::runs::{Folder, Words, done, rodlab, text};
 
 /// Returns the exit status and the text of the standard error.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
@@ -22,10 +21,10 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
     )
 }
 
-fn folder_with(files: &[(&str, &str)]) -> TempDir {
-    let folder = TempDir::new().unwrap();
+fn folder_with(files: &[(&str, &str)]) -> Folder {
+    let folder = Folder::new();
     for (name, contents) in files {
-        let path = folder.path().join(name);
+        let path = folder.file(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, contents).unwrap();
     }
@@ -35,22 +34,20 @@ fn folder_with(files: &[(&str, &str)]) -> TempDir {
 #[test]
 fn a_misspelt_field_is_shown_with_the_nearest_name() {
     let folder = folder_with(&[("rod.ron", "// a rod\nModulus(\n    titel: \"a rod\",\n)\n")]);
-    let said = refused(folder.path(), &["modulus", "rod.ron"]);
+    let said = refused(&folder, "modulus rod.ron");
     said.must_begin("status 2\n");
-    for part in [
+    said.must_say_all(&[
         "rod.ron:3:5: Modulus.titel: there is no field `titel`",
         "3 │     titel: \"a rod\",",
         "did you mean `title`?",
-    ] {
-        said.must_say(part);
-    }
+    ]);
 }
 
 #[test]
 fn a_sheet_of_another_job_names_its_command() {
     let folder = folder_with(&[("hit.ron", FORCE)]);
     insta::assert_snapshot!(
-        refused(folder.path(), &["frf", "hit.ron"]),
+        refused(&folder, "frf hit.ron"),
         @r"
     status 2
     error: hit.ron is a sheet for `force`, expected one for `frf`: run `rodlab force` on it
@@ -61,28 +58,25 @@ fn a_sheet_of_another_job_names_its_command() {
 #[test]
 fn a_sheet_that_is_not_there_is_named() {
     let folder = folder_with(&[]);
-    let said = refused(folder.path(), &["modulus", "rod.ron"]);
+    let said = refused(&folder, "modulus rod.ron");
     said.must_begin("status 2\nerror: cannot read rod.ron: ");
 }
 
 #[test]
 fn init_replaces_nothing() {
     let folder = folder_with(&[]);
-    done(folder.path(), &["init", "force"]);
-    let written = fs::read_to_string(folder.path().join("force.toml")).unwrap();
+    folder.done("init force");
+    let written = folder.read("force.toml");
     written.must_begin("#");
-    let said = refused(folder.path(), &["init", "force"]);
+    let said = refused(&folder, "init force");
     said.must_begin("status 2\nerror: cannot write force.toml: ");
-    assert_eq!(
-        fs::read_to_string(folder.path().join("force.toml")).unwrap(),
-        written
-    );
+    assert_eq!(folder.read("force.toml"), written);
 }
 
 #[test]
 fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     let folder = folder_with(&[]);
-    let shown = text(&rodlab(folder.path(), &["demo", "first"]).stdout);
+    let shown = text(&folder.rodlab("demo first").stdout);
     for command in [
         "> rodlab init simulate",
         "> rodlab simulate",
@@ -92,9 +86,9 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     }
     let report = shown.lines().last().unwrap();
     let report = report.strip_prefix("The report: ").unwrap();
-    assert!(folder.path().join(report).is_file(), "{report}");
+    assert!(folder.file(report).is_file(), "{report}");
     // the loss factor of the plan is 0.07 at 1.6 kHz and nearly constant
-    let json = rodlab(folder.path(), &["demo", "second", "--json"]).stdout;
+    let json = folder.rodlab("demo second --json").stdout;
     let result: serde_json::Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(result["job"], "modulus");
     assert_eq!(result["verdict"]["answer"], "answered");
@@ -110,12 +104,12 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
 #[test]
 fn completions_and_manual_pages_know_every_command() {
     let folder = folder_with(&[]);
-    let completions = rodlab(folder.path(), &["completions", "bash"]);
+    let completions = folder.rodlab("completions bash");
     text(&completions.stdout).must_say("identify");
-    done(folder.path(), &["man", "pages"]);
-    let page = fs::read_to_string(folder.path().join("pages/rodlab-batch.1")).unwrap();
+    folder.done("man pages");
+    let page = folder.read("pages/rodlab-batch.1");
     page.must_say("resume");
-    let help = text(&rodlab(folder.path(), &["--help"]).stdout);
+    let help = text(&folder.rodlab("--help").stdout);
     for line in help
         .lines()
         .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
@@ -124,13 +118,7 @@ fn completions_and_manual_pages_know_every_command() {
         if name.chars().all(|letter| letter.is_ascii_lowercase())
             && !["help", "rodlab"].contains(&name)
         {
-            assert!(
-                folder
-                    .path()
-                    .join(format!("pages/rodlab-{name}.1"))
-                    .exists(),
-                "{name}"
-            );
+            assert!(folder.has(format!("pages/rodlab-{name}.1")), "{name}");
         }
     }
 }
@@ -159,9 +147,10 @@ const FORCE: &str = r#"Force(title: "mass", problem: Impact(first: RigidMass("0.
 #[test]
 fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
     let folder = folder_with(&[("hit.ron", FORCE)]);
-    done(folder.path(), &["force", "hit.ron"])
+    folder
+        .done("force hit.ron")
         .must_begin("In the band up to 10 kHz the peak force is (1.8");
-    let result = folder.path().join("hit-result");
+    let result = folder.file("hit-result");
     let mut names: Vec<String> = fs::read_dir(&result)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -182,13 +171,13 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
             .all(|cell| cell.parse::<f64>().is_ok()),
         "numbers from the second row on: {first}"
     );
-    done(folder.path(), &["force", "hit.ron", "--unit-row"]);
+    folder.done("force hit.ron --unit-row");
     let with_units = fs::read_to_string(result.join("force.csv")).unwrap();
     let units = with_units.lines().nth(1).unwrap();
     units.must_begin("s,N,N,m/s,m/s,m");
     assert_eq!(with_units.replacen(&format!("{units}\n"), "", 1), table);
 
-    done(folder.path(), &["force", "hit.ron", "--workbook"]);
+    folder.done("force hit.ron --workbook");
     let bytes = fs::read(result.join("tables.xlsx")).unwrap();
     let sheets = Xlsx.read(&bytes, Strictness::Tolerant).unwrap();
     let column = sheets.series.iter();
@@ -205,21 +194,15 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
 #[test]
 fn json_is_the_result_and_nothing_else() {
     let folder = folder_with(&[("hit.ron", FORCE)]);
-    let run = rodlab(
-        folder.path(),
-        &["force", "hit.ron", "--json", "--out", "here"],
-    );
+    let run = folder.rodlab("force hit.ron --json --out here");
     let printed = text(&run.stdout);
-    assert_eq!(
-        printed,
-        fs::read_to_string(folder.path().join("here/result.json")).unwrap()
-    );
+    assert_eq!(printed, folder.read("here/result.json"));
     let result: serde_json::Value = serde_json::from_str(&printed).unwrap();
     assert_eq!(result["result_version"], 3);
     assert_eq!(result["sheet"]["file"], "hit.ron");
     assert_eq!(result["quantities"][0]["name"], "peak force");
     assert_eq!(result["verdict"]["answer"], "answered");
-    let quiet = rodlab(folder.path(), &["force", "hit.ron", "--quiet"]);
+    let quiet = folder.rodlab("force hit.ron --quiet");
     assert_eq!(text(&quiet.stdout), "");
 }
 
@@ -227,12 +210,12 @@ fn json_is_the_result_and_nothing_else() {
 fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
     let stiff = FORCE.replace("time_step", "contact: Linear(\"1 TN/m\"), time_step");
     let folder = folder_with(&[("hit.ron", stiff.as_str())]);
-    let run = rodlab(folder.path(), &["force", "hit.ron"]);
+    let run = folder.rodlab("force hit.ron");
     assert_eq!(run.status.code(), Some(1));
     let said = text(&run.stderr);
     said.must_begin("not allowed: the time step is too long for the contact");
     // the partial results are there nevertheless
-    assert!(folder.path().join("hit-result/result.json").exists());
+    assert!(folder.has("hit-result/result.json"));
 }
 
 #[test]
@@ -242,16 +225,13 @@ fn check_reads_everything_and_computes_nothing() {
         ("bad.ron", "Force(title: 1)"),
         ("worse.ron", "Force("),
     ]);
-    let run = rodlab(
-        folder.path(),
-        &["check", "good.ron", "bad.ron", "worse.ron"],
-    );
+    let run = folder.rodlab("check good.ron bad.ron worse.ron");
     assert_eq!(run.status.code(), Some(2));
     text(&run.stdout).must_begin("good.ron: a sheet for `force`, its files can be read (");
     let said = text(&run.stderr);
     said.must_say("bad.ron:1:14: Force.title");
     said.must_say("worse.ron:1:");
-    assert!(!folder.path().join("good-result").exists());
+    assert!(!folder.has("good-result"));
 }
 
 #[cfg(unix)]
@@ -259,9 +239,9 @@ fn check_reads_everything_and_computes_nothing() {
 fn a_folder_that_cannot_be_written_is_named() {
     // a file in place of the folder, which is an error whatever the permissions of the caller
     let folder = folder_with(&[("hit.ron", FORCE), ("taken", "")]);
-    let said = refused(folder.path(), &["force", "hit.ron", "--out", "taken"]);
+    let said = refused(&folder, "force hit.ron --out taken");
     said.must_begin("status 2\nerror: cannot write taken: it is a file, expected a folder");
-    assert_eq!(fs::read_to_string(folder.path().join("taken")).unwrap(), "");
+    assert_eq!(folder.read("taken"), "");
 }
 
 #[test]
@@ -270,34 +250,29 @@ fn a_recording_is_inspected_and_converted() {
         "hit.csv",
         "Time (s);force (N)\n0;1\n0.001;2\n0.002;-1\n0.003;0.5\n",
     )]);
-    let said = done(folder.path(), &["inspect", "hit.csv"]);
+    let said = folder.done("inspect hit.csv");
     said.must_say_all(&["force", "1 kHz"]);
-    let json = rodlab(folder.path(), &["inspect", "hit.csv", "--json"]);
+    let json = folder.rodlab("inspect hit.csv --json");
     assert!(serde_json::from_slice::<serde_json::Value>(&json.stdout).is_ok());
 
-    done(
-        folder.path(),
-        &["convert", "hit.csv", "hit.uff", "--binary"],
-    );
-    let again = text(&rodlab(folder.path(), &["inspect", "hit.uff"]).stdout);
+    folder.done("convert hit.csv hit.uff --binary");
+    let again = text(&folder.rodlab("inspect hit.uff").stdout);
     again.must_say_all(&["force", "1 kHz"]);
-    let said = refused(folder.path(), &["convert", "hit.csv", "hit.xyz"]);
+    let said = refused(&folder, "convert hit.csv hit.xyz");
     said.must_begin("status 2\nerror: ");
-    assert!(!folder.path().join("hit.xyz").exists());
-    let said = refused(folder.path(), &["inspect", "nothing.csv"]);
+    assert!(!folder.has("hit.xyz"));
+    let said = refused(&folder, "inspect nothing.csv");
     said.must_begin("status 2\nerror: cannot read nothing.csv");
-    fs::write(folder.path().join("hit.ron"), FORCE).unwrap();
-    let said = refused(folder.path(), &["inspect", "hit.ron"]);
+    folder.write("hit.ron", FORCE);
+    let said = refused(&folder, "inspect hit.ron");
     said.must_begin(
         "status 2\nerror: hit.ron is a test sheet, expected a recording: `rodlab check hit.ron`",
     );
-    let said = refused(folder.path(), &["init"]);
+    let said = refused(&folder, "init");
     said.must_begin("status 2\nerror: the job of the new sheet is not stated, expected one of `frf`, `modulus`, ");
     // a rig belongs to one job
-    done(folder.path(), &["init", "--rig", "dma"]);
-    fs::read_to_string(folder.path().join("fit.toml"))
-        .unwrap()
-        .must_say("job = \"fit\"");
+    folder.done("init --rig dma");
+    folder.read("fit.toml").must_say("job = \"fit\"");
 }
 
 /// The first channel has its unit from the file; the second has none, so that the command is
@@ -311,19 +286,17 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
             "Time (s);force (N);b\n0;1;0\n0.001;2;1\n0.002;-1;0\n0.003;0.5;0\n",
         ),
     ]);
-    done(folder.path(), &["force", "hit.ron", "--out", "results"]);
-    let result = folder.path().join("results/result.json");
+    folder.done("force hit.ron --out results");
+    let result = folder.file("results/result.json");
     let earlier = fs::read(&result).unwrap();
-    let call = ["frf", "hit.csv", "--input", "1", "--output", "2"];
-    let said = refused(folder.path(), &[&call[..], &["--out", "results"]].concat());
-    for part in [
+    let call = "frf hit.csv --input 1 --output 2";
+    let said = refused(&folder, &format!("{call} --out results"));
+    said.must_say_all(&[
         "frf.toml, the sheet of this command, was removed",
         "the result in results is an earlier one",
         "error: the unit in `--output 2:UNIT` is not stated",
-    ] {
-        said.must_say(part);
-    }
-    assert!(!folder.path().join("frf.toml").exists());
+    ]);
+    assert!(!folder.has("frf.toml"));
     assert_eq!(fs::read(&result).unwrap(), earlier);
     // a sheet with a name chosen by the user, and a sheet that existed before, are kept
     refused(
@@ -349,13 +322,12 @@ fn a_unit_against_that_of_the_file_is_found_by_check_and_a_written_sheet_is_name
     let sheet = r#"Frf(title: "a", input: "hammer", records: (files: ["hit.csv"], channels: [
         (name: "hammer", from: 1, unit: "V", sensitivity: "2 mV/N"), (name: "b", from: 2)]))"#;
     let folder = folder_with(&[("hit.csv", &record), ("frf.ron", sheet)]);
-    done(folder.path(), &["check", "frf.ron"]).must_say(
+    folder.done("check frf.ron").must_say(
         "warning: hit.csv states channel 1 in N; the unit of the sheet is used instead, V.",
     );
-    let call = ["frf", "hit.csv", "--input", "1", "--output", "2"];
-    let run = rodlab(folder.path(), &call);
+    let run = folder.rodlab("frf hit.csv --input 1 --output 2");
     text(&run.stdout).must_say("The sheet is frf.toml: edit it and run `rodlab frf frf.toml`");
-    assert!(folder.path().join("frf.toml").is_file());
+    assert!(folder.file("frf.toml").is_file());
 }
 
 #[test]
@@ -364,18 +336,16 @@ fn a_sheet_whose_files_are_missing_is_found_by_check() {
     // computed bodies
     let folder = folder_with(&[]);
     for job in ["frf", "modulus", "identify"] {
-        let sheet = format!("{job}.toml");
-        done(folder.path(), &["init", job]);
-        let said = refused(folder.path(), &["check", &sheet]);
+        folder.done(&format!("init {job}"));
+        let said = refused(&folder, &format!("check {job}.toml"));
         assert!(
             said.starts_with("status 2\nerror: no file matches `"),
             "{job}: {said}"
         );
     }
     for job in ["simulate", "force"] {
-        let sheet = format!("{job}.toml");
-        done(folder.path(), &["init", job]);
-        done(folder.path(), &["check", &sheet]);
-        assert!(!folder.path().join(format!("{job}-result")).exists());
+        folder.done(&format!("init {job}"));
+        folder.done(&format!("check {job}.toml"));
+        assert!(!folder.has(format!("{job}-result")));
     }
 }

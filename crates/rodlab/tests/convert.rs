@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use rodlab::convert::{Conversion, ConvertOptions, convert};
 
 use crate::records::series;
-use crate::runs::{Refused, Words};
+use crate::runs::{Folder, Refused, Words};
 
 fn history(name: &str, unit: &str, values: Vec<f64>) -> Series {
     let mut one = series(name, unit, 1.0 / 51_200.0, &values);
@@ -52,12 +52,12 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
 /// reported as lost.
 #[test]
 fn a_matlab_file_holds_numbers_names_and_axes() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let mut contents = two_channels(vec![0.1, -0.0, 1e-300], vec![1.0, 2.0, f64::MAX]);
     contents.series[1].name = "end A (left)".to_owned();
     contents.series[1].ordinate_axis.label = "Acceleration".to_owned();
     contents.series[1].properties = vec![("serial".to_owned(), "12345".to_owned())];
-    let target = folder.path().join("hits.mat");
+    let target = folder.file("hits.mat");
     let options = ConvertOptions::default();
     let done = convert(&source(folder.path(), &contents), &target, options).unwrap();
     assert_eq!(
@@ -87,13 +87,13 @@ proptest! {
         force in prop::collection::vec(-1e9..1e9_f64, 2..40),
         scale in 1e-200..1e200_f64,
     ) {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = Folder::new();
         let acceleration: Vec<f64> = force.iter().map(|f| scale * f).collect();
         let contents = two_channels(force, acceleration);
         let mut path = source(folder.path(), &contents);
         // a binary universal file keeps 8 digits of the step and is therefore tested last
         for (number, ending) in ["csv", "npz", "csv"].into_iter().enumerate() {
-            let next = folder.path().join(format!("{number}.{ending}"));
+            let next = folder.file(format!("{number}.{ending}"));
             convert(&path, &next, LOSSLESS).unwrap();
             path = next;
         }
@@ -104,7 +104,7 @@ proptest! {
             prop_assert_eq!(&one.ordinate_axis.unit_text, &other.ordinate_axis.unit_text);
             prop_assert_eq!(&one.abscissa, &other.abscissa);
         }
-        let universal = folder.path().join("last.uff");
+        let universal = folder.file("last.uff");
         convert(&path, &universal, ConvertOptions { binary: true, ..ConvertOptions::default() }).unwrap();
         let back = format::read(&universal).unwrap();
         for (one, other) in contents.series.iter().zip(&back.series) {
@@ -120,7 +120,7 @@ fn lost(folder: &Path, contents: &Contents, name: &str) -> Conversion {
 
 #[test]
 fn what_a_format_has_no_place_for_is_listed() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let mut contents = two_channels(vec![0.0, 1.0 / 3.0, 2.0], vec![1.0, 2.0, 3.0]);
     contents.properties = vec![("operator".to_owned(), "N. N.".to_owned())];
     contents.series[1].properties = vec![("serial".to_owned(), "12345".to_owned())];
@@ -160,14 +160,14 @@ fn what_a_format_has_no_place_for_is_listed() {
     // the values are converted nevertheless
     let back = format::read(folder.path().join("bare.npy")).unwrap();
     assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
-    let back = format::read(folder.path().join("sound.wav")).unwrap();
+    let back = format::read(folder.file("sound.wav")).unwrap();
     assert_eq!(back.series[1].ordinate, contents.series[1].ordinate);
     assert_eq!(back.series[1].name, "end A");
 }
 
 #[test]
 fn a_response_is_converted_with_its_complex_values() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let mut contents = Contents::of_format("test");
     let mut response = history("end A", "m/s^2", Vec::new());
     response.kind = SeriesKind::FrequencyResponse;
@@ -191,9 +191,9 @@ fn a_response_is_converted_with_its_complex_values() {
             ..ConvertOptions::default()
         };
         let path = source(folder.path(), &contents);
-        let conversion = convert(&path, &folder.path().join(name), options).unwrap();
+        let conversion = convert(&path, &folder.file(name), options).unwrap();
         assert!(conversion.lost.is_empty(), "{:?}", conversion.lost);
-        let back = format::read(folder.path().join(name)).unwrap();
+        let back = format::read(folder.file(name)).unwrap();
         assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
         assert_eq!(back.series[0].kind, SeriesKind::FrequencyResponse);
     }
@@ -201,12 +201,12 @@ fn a_response_is_converted_with_its_complex_values() {
 
 #[test]
 fn what_cannot_be_held_is_refused_and_nothing_is_written() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let contents = two_channels(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 3.0]);
     let path = source(folder.path(), &contents);
     let refused = |contents: &Contents, name: &str, options| {
         let path = source(folder.path(), contents);
-        let target = folder.path().join(name);
+        let target = folder.file(name);
         let error = convert(&path, &target, options).refused();
         assert!(!target.exists());
         error.replace(&folder.path().display().to_string(), "FOLDER")
@@ -243,8 +243,8 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
         "{onto_itself}"
     );
     let missing = convert(
-        &folder.path().join("no.csv"),
-        &folder.path().join("x.csv"),
+        &folder.file("no.csv"),
+        &folder.file("x.csv"),
         ConvertOptions::default(),
     );
     missing.refused().must_begin("cannot read ");
@@ -252,12 +252,12 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
 
 #[test]
 fn a_sampling_rate_is_stated_if_the_file_does_not_state_it() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let contents = two_channels(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 3.0]);
     let timed = source(folder.path(), &contents);
-    let bare = folder.path().join("bare.npy");
+    let bare = folder.file("bare.npy");
     convert(&timed, &bare, ConvertOptions::default()).unwrap();
-    let wav = folder.path().join("hits.wav");
+    let wav = folder.file("hits.wav");
     let said = convert(&bare, &wav, ConvertOptions::default()).refused();
     said.must_say("is not stated in the file, expected `--rate`");
     let at = |rate_hz| ConvertOptions {
@@ -267,7 +267,7 @@ fn a_sampling_rate_is_stated_if_the_file_does_not_state_it() {
     };
     // 51.2 kHz is the rate of `two_channels`
     for name in ["hits.wav", "hits.csv"] {
-        let path = folder.path().join(name);
+        let path = folder.file(name);
         convert(&bare, &path, at(51_200.0)).unwrap();
         let back = format::read(&path).unwrap();
         assert_eq!(
@@ -288,11 +288,11 @@ fn a_sampling_rate_is_stated_if_the_file_does_not_state_it() {
 
 #[test]
 fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let contents = two_channels(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 3.0]);
     let path = source(folder.path(), &contents);
     let before = fs::read(&path).unwrap();
-    let target = folder.path().join("recording.csv");
+    let target = folder.file("recording.csv");
     fs::write(&target, "a recording of another day").unwrap();
     let said = convert(&path, &target, ConvertOptions::default()).refused();
     assert!(
@@ -311,7 +311,7 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
     let mut names = vec![path.clone(), folder.path().join("./source.npz")];
     #[cfg(unix)]
     {
-        let link = folder.path().join("link.npz");
+        let link = folder.file("link.npz");
         std::os::unix::fs::symlink("source.npz", &link).unwrap();
         names.push(link);
     }
@@ -324,10 +324,10 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
 
 #[test]
 fn a_damaged_file_is_converted_only_when_asked_to() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("cut.csv");
+    let folder = Folder::new();
+    let path = folder.file("cut.csv");
     fs::write(&path, "Time (s),a (N)\n0,0\n1,2\n2,3\n3,3\nstopped\n").unwrap();
-    let target = folder.path().join("whole.uff");
+    let target = folder.file("whole.uff");
     assert!(convert(&path, &target, ConvertOptions::default()).is_err());
     assert!(!target.exists());
     let tolerant = ConvertOptions {
@@ -343,7 +343,7 @@ fn a_damaged_file_is_converted_only_when_asked_to() {
 /// hits with equal names, or with names that no member of an archive can have, become members.
 #[test]
 fn units_of_ratios_and_hits_with_equal_names_are_kept() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let mut contents = two_channels(vec![1.0, 2.0], vec![3.0, 4.0]);
     contents.series.truncate(1);
     let response = &mut contents.series[0];
@@ -351,12 +351,12 @@ fn units_of_ratios_and_hits_with_equal_names_are_kept() {
     response.ordinate = Ordinate::Complex(vec![Complex64::new(1.0, 2.0); 2]);
     response.ordinate_axis.unit_text = "m/s2".to_owned();
     response.properties = vec![("uff58.denominator_unit".to_owned(), "N".to_owned())];
-    let universal = folder.path().join("response.uff");
+    let universal = folder.file("response.uff");
     let writer = format::uff58::Uff58Writer::default();
     format::write(&universal, &contents, &writer).unwrap();
     let accelerance = Unit::parse("m/s2/N").unwrap();
     for ending in ["csv", "mat", "npz"] {
-        let target = folder.path().join(format!("response.{ending}"));
+        let target = folder.file(format!("response.{ending}"));
         let _ = convert(&universal, &target, ConvertOptions::default()).unwrap();
         let back = format::read(&target).unwrap();
         let unit = back.series[0].ordinate_axis.unit.as_ref().unwrap();
@@ -366,9 +366,9 @@ fn units_of_ratios_and_hits_with_equal_names_are_kept() {
     let mut hits = two_channels(vec![1.0, 2.0], vec![3.0, 4.0]);
     hits.series[1].name = "hammer".to_owned();
     hits.series.push(history("run/a", "N", vec![5.0, 6.0]));
-    let universal = folder.path().join("hits.uff");
+    let universal = folder.file("hits.uff");
     format::write(&universal, &hits, &writer).unwrap();
-    let target = folder.path().join("hits.npz");
+    let target = folder.file("hits.npz");
     let said = convert(&universal, &target, ConvertOptions::default()).unwrap();
     let back = format::read(&target).unwrap();
     let names: Vec<&str> = back.series.iter().map(|one| one.name.as_str()).collect();

@@ -5,18 +5,18 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::runs::{Words, done};
+use crate::runs::{Folder, Words, done};
 
 /// Result of a sheet of the examples, written to a temporary folder.
 fn result_of(example: &str, job: &str) -> Value {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let (sheet, out) = (format!("{job}.ron"), folder.path().to_str().unwrap());
     let printed = done(
         &examples.join(example),
         &[job, &sheet, "--json", "--out", out],
     );
-    assert!(folder.path().join("report.html").exists());
+    assert!(folder.has("report.html"));
     let result = serde_json::from_str(&printed).unwrap();
     names_are_plain(&result, folder.path());
     result

@@ -15,11 +15,10 @@ use rodfigure::Mark;
 use rodlab::Outcome;
 use rodlab::outcome::Verdict;
 use sweep::{Sweep, Temperatures};
-use tempfile::TempDir;
 
 use crate::runs::{
-    Words, answered, attachments_of, column as numbers, doubts, estimate, figures_of, is_found,
-    outcome_of as run, quantity, tables_of, words,
+    Folder, Words, answered, attachments_of, column as numbers, doubts, estimate, figures_of,
+    is_found, outcome_of as run, quantity, tables_of, words,
 };
 
 fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
@@ -46,7 +45,7 @@ const LAWS: &str = "laws: (laws: [FractionalZener, GeneralisedMaxwell]),";
 /// every relaxing material.
 #[test]
 fn rows_are_told_from_those_of_no_relaxing_material() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = |f: f64| {
         let power = num_complex::Complex64::new(0.0, std::f64::consts::TAU * f * 1e-2).powf(0.5);
         1e9 + 2e9 * power / (1.0 + power)
@@ -61,10 +60,10 @@ fn rows_are_told_from_those_of_no_relaxing_material() {
             format!("{f},{storage},{loss}\n")
         });
         let text = format!("f (Hz),E1 (Pa),E2 (Pa)\n{}", rows.collect::<String>());
-        fs::write(folder.path().join("rows.csv"), text).unwrap();
+        folder.write("rows.csv", text);
         let sheet = r#"Fit(title: "x", causal: true, tables: [(files: ["rows.csv"], frequency: "f", modulus: Parts(storage: "E1", loss: "E2"),
             temperature: Stated("20 degC"), errors: Parts(storage: "1 %", loss: "1 %"))])"#;
-        run(folder.path(), sheet).unwrap()
+        folder.run(sheet).unwrap()
     };
     let good = found(1.0);
     assert_eq!(good.verdict, Verdict::Answered);
@@ -84,12 +83,12 @@ fn rows_are_told_from_those_of_no_relaxing_material() {
 
 #[test]
 fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep::default();
-    sweep.write(&folder.path().join("sweep.csv"), 1993);
+    sweep.write(&folder.file("sweep.csv"), 1993);
     let rest = r#"density: "1180 kg/m3", laws: (laws: [Zener, FractionalZener, GeneralisedMaxwell],
         cards: (name: "EPOXY", poisson_ratio: "0.38", programs: [Abaqus, LsDyna])),"#;
-    let outcome = answered(run(folder.path(), &sweep.sheet(rest)));
+    let outcome = answered(folder.run(&sweep.sheet(rest)));
 
     let temperatures = numbers(&outcome, "shifts", "temperature");
     let log_shifts = numbers(&outcome, "shifts", "log10 of the shift");
@@ -176,10 +175,10 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
 /// changes the modulus by at least 5 %.
 #[test]
 fn a_modulus_read_from_the_nomogram_is_that_at_its_frequency_and_temperature() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep::default();
-    sweep.write(&folder.path().join("sweep.csv"), 1993);
-    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    sweep.write(&folder.file("sweep.csv"), 1993);
+    let outcome = folder.run(&sweep.sheet("")).unwrap();
     let figure = outcome.figures.iter().find(|f| f.name == "nomogram");
     let panels = &figure.unwrap().panels;
     let at = |mark: &Mark, x: f64| {
@@ -236,7 +235,7 @@ fn the_example_is_the_sweep_of_this_test() {
 #[test]
 fn intervals_of_shifts_and_parameters_cover_the_truth() {
     let seeds: u64 = testbed::noise::draws(40);
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep {
         per_decade: 3,
         ..Sweep::default()
@@ -247,9 +246,9 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
     let (mut chi_squared, mut admitted, mut constants) = (0.0, 0_u32, 0_u32);
     let mut series = std::collections::BTreeMap::new();
     for seed in 0..seeds {
-        sweep.write(&folder.path().join("sweep.csv"), seed);
+        sweep.write(&folder.file("sweep.csv"), seed);
         let laws = "laws: (laws: [FractionalZener]),";
-        let outcome = run(folder.path(), &sweep.sheet(laws)).unwrap();
+        let outcome = folder.run(&sweep.sheet(laws)).unwrap();
         answered += u32::from(outcome.verdict == Verdict::Answered);
         let ends = [
             numbers(&outcome, "shifts", "lower end"),
@@ -329,13 +328,13 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
 
 #[test]
 fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep {
         activation_energy: Some(250e3),
         ..Sweep::default()
     };
-    sweep.write(&folder.path().join("sweep.csv"), 7);
-    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    sweep.write(&folder.file("sweep.csv"), 7);
+    let outcome = folder.run(&sweep.sheet("")).unwrap();
     let name = "Arrhenius, activation energy";
     assert!(is_found(&outcome, name, 250.0, [4.0, 0.02]).valid);
     outcome.summary.must_begin("The shifts follow Arrhenius: ");
@@ -354,13 +353,13 @@ fn unstated_errors_are_those_of_the_scatter() {
         (Sweep::default(), "weighted by |E|, temperatures"),
         (sparse, "weighted by |E|, which scatters "),
     ] {
-        let folder = TempDir::new().unwrap();
-        sweep.write(&folder.path().join("sweep.csv"), 3);
-        let stated = answered(run(folder.path(), &sweep.sheet("")));
+        let folder = Folder::new();
+        sweep.write(&folder.file("sweep.csv"), 3);
+        let stated = answered(folder.run(&sweep.sheet("")));
         let text = sweep.sheet("");
         let (before, after) = text.split_once("errors: ").unwrap();
         let (_, after) = after.split_once('\n').unwrap();
-        let outcome = run(folder.path(), &format!("{before}{after}")).unwrap();
+        let outcome = folder.run(&format!("{before}{after}")).unwrap();
         let warning = &outcome.warnings[0];
         warning.must_begin("No errors of the moduli are stated: ");
         warning.must_say(said);
@@ -394,20 +393,20 @@ fn unstated_errors_are_those_of_the_scatter() {
 /// The same numbers in another layout are the same data.
 #[test]
 fn columns_units_and_order_of_rows_do_not_matter() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep {
         temperatures: Temperatures::of(40, 80, 10),
         ..Sweep::default()
     };
     let shifts = |text: &str| {
-        let outcome = run(folder.path(), text).unwrap();
+        let outcome = folder.run(text).unwrap();
         let frequencies = numbers(&outcome, "data", "frequency");
         assert!((frequencies[0] - 0.1).abs() < 1e-6, "{} Hz", frequencies[0]);
         let modulus = numbers(&outcome, "data", "E'")[0];
         assert!((1.0..2.6).contains(&modulus), "{modulus} GPa");
         numbers(&outcome, "shifts", "log10 of the shift").to_vec()
     };
-    sweep.write(&folder.path().join("sweep.csv"), 5);
+    sweep.write(&folder.file("sweep.csv"), 5);
     let expected = shifts(&sweep.sheet(""));
     for (modulus, errors, layout) in [
         (
@@ -421,7 +420,7 @@ fn columns_units_and_order_of_rows_do_not_matter() {
             sweep::Layout::Phase,
         ),
     ] {
-        sweep.write_as(&folder.path().join("other.txt"), 5, layout);
+        sweep.write_as(&folder.file("other.txt"), 5, layout);
         let sheet = format!(
             r#"Fit(title: "other layout", tables: [(files: ["other.txt"], angular_frequency: "omega", modulus: {modulus},
                 temperature: Column("T"), errors: {errors}, units: (temperature: "K"))], reference_temperature: "333.15 K")"#
@@ -440,14 +439,11 @@ fn columns_units_and_order_of_rows_do_not_matter() {
             ..sweep.clone()
         };
         let name = format!("T{t}.csv");
-        one.write(
-            &folder.path().join(&name),
-            100 + u64::from(t.unsigned_abs()),
-        );
+        one.write(&folder.file(&name), 100 + u64::from(t.unsigned_abs()));
         names.push(name);
     }
     let text = sweep.sheet("").replace("\"sweep.csv\"", "\"T*.csv\"");
-    let outcome = run(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     assert_eq!(outcome.inputs.len(), names.len());
     assert_eq!(
         numbers(&outcome, "shifts", "temperature").len(),
@@ -457,17 +453,17 @@ fn columns_units_and_order_of_rows_do_not_matter() {
 
 #[test]
 fn one_temperature_gives_laws_alone() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep {
         temperatures: Temperatures::of(60, 60, 1),
         per_decade: 8,
         ..Sweep::default()
     };
-    sweep.write(&folder.path().join("sweep.csv"), 2);
+    sweep.write(&folder.file("sweep.csv"), 2);
     let text = sweep
         .sheet(LAWS)
         .replace("reference_temperature: \"60 degC\",", "");
-    let outcome = answered(run(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     outcome.summary[0].must_begin("25 rows from 0.1 Hz to 100 Hz at 60 °C: E' = ");
     let (low, high) = interval(&outcome, "exponent");
     assert!(
@@ -478,14 +474,14 @@ fn one_temperature_gives_laws_alone() {
 
 #[test]
 fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep {
         temperatures: Temperatures::of(40, 120, 40),
         ..Sweep::default()
     };
-    sweep.write(&folder.path().join("sweep.csv"), 11);
+    sweep.write(&folder.file("sweep.csv"), 11);
     let text = sweep.sheet("").replace("\"60 degC\"", "\"80 degC\"");
-    let outcome = run(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     let said = reasons(&outcome);
     said.must_say("of 3 temperatures do not join the curve, because they do not overlap their neighbours within the errors: 40 °C");
     let known = format!(
@@ -493,10 +489,7 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
         sweep::C1,
         sweep::C2
     );
-    let outcome = answered(run(
-        folder.path(),
-        &text.replace("reference", &format!("{known} reference")),
-    ));
+    let outcome = answered(folder.run(&text.replace("reference", &format!("{known} reference"))));
     assert!(
         words(&outcome, "shifts", "verdict").contains(&"as stated, without overlap".to_owned())
     );
@@ -507,7 +500,7 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
 #[test]
 fn an_open_choice_of_the_factors_is_stated() {
     let seeds = 20;
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep {
         temperatures: Temperatures::of(50, 70, 5),
         per_decade: 2,
@@ -516,12 +509,10 @@ fn an_open_choice_of_the_factors_is_stated() {
     };
     let (mut squares, mut kept) = (0.0, 0);
     for seed in 0..seeds {
-        sweep.write(&folder.path().join("sweep.csv"), seed);
-        let outcome = run(
-            folder.path(),
-            &sweep.sheet("laws: (laws: [FractionalZener]),"),
-        )
-        .unwrap();
+        sweep.write(&folder.file("sweep.csv"), seed);
+        let outcome = folder
+            .run(&sweep.sheet("laws: (laws: [FractionalZener]),"))
+            .unwrap();
         for (name, truth) in sweep.parameters() {
             let (value, error) = estimate(&outcome, &format!("fractional Zener, {name}"));
             squares += ((value - truth) / error).powi(2) / 4.0 / seeds as f64;
@@ -549,9 +540,9 @@ fn an_open_choice_of_the_factors_is_stated() {
 /// The labels of two temperatures are exchanged, as if relaxation slowed down with temperature.
 #[test]
 fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep::default();
-    let path = folder.path().join("sweep.csv");
+    let path = folder.file("sweep.csv");
     sweep.write(&path, 13);
     let text = fs::read_to_string(&path).unwrap();
     let exchanged: Vec<String> = text
@@ -563,7 +554,7 @@ fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
         })
         .collect();
     fs::write(&path, exchanged.join("\n") + "\n").unwrap();
-    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    let outcome = folder.run(&sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
     said.must_say("the shifts do not fall with temperature from 55 °C to 60 °C");
     assert!(!quantity(&outcome, "check: shifts that rise with temperature").valid);
@@ -572,13 +563,13 @@ fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
 /// The exponent of the material falls with temperature: its curves differ in form.
 #[test]
 fn a_material_that_is_not_simple_is_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep {
         exponent_per_kelvin: -0.002,
         ..Sweep::default()
     };
-    sweep.write(&folder.path().join("sweep.csv"), 17);
-    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    sweep.write(&folder.file("sweep.csv"), 17);
+    let outcome = folder.run(&sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
     said.must_say(
         "the temperatures do not form a single curve within the stated errors: chi-square",
@@ -587,9 +578,9 @@ fn a_material_that_is_not_simple_is_in_doubt() {
 
 #[test]
 fn a_negative_loss_is_noise_or_a_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep::default();
-    let path = folder.path().join("sweep.csv");
+    let path = folder.file("sweep.csv");
     sweep.write(&path, 19);
     let text = fs::read_to_string(&path).unwrap();
     let changed: Vec<String> = text
@@ -604,7 +595,7 @@ fn a_negative_loss_is_noise_or_a_doubt() {
         })
         .collect();
     fs::write(&path, changed.join("\n") + "\n").unwrap();
-    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    let outcome = folder.run(&sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
     said.must_say("the loss modulus is negative in 1 row(s), first in sweep.csv, line 10 (");
 }

@@ -5,12 +5,10 @@ use std::path::Path;
 use rodlab::RodlabError;
 use rodlab::outcome::{Outcome, Verdict};
 
-use crate::two_masses;
-
-use crate::runs::{Refused, Words, column, json, quantity};
+use crate::runs::{Refused, Words, column, json, outcome_of, quantity};
 
 fn attempt(text: &str) -> Result<Outcome, RodlabError> {
-    two_masses::attempt(Path::new(""), text)
+    outcome_of(Path::new(""), text)
 }
 
 fn value(outcome: &Outcome, name: &str) -> f64 {

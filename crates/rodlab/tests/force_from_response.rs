@@ -1,8 +1,6 @@
 //! Forces from the acceleration of one of two masses, which is struck; the virtual records are
 //! integrated in time. The path is given in closed form or by calibration hits.
 
-use crate::two_masses;
-
 use testbed::measured;
 
 use std::f64::consts::{PI, TAU};
@@ -13,12 +11,9 @@ use std::path::Path;
 use impulse::ForceHistory;
 use num_complex::Complex64;
 use rodlab::outcome::Verdict;
-use tempfile::TempDir;
-use two_masses::{
-    BODY, Body, HAMMER, Hammer, RATE, SAMPLES, attempt, column, json, quantity, strike,
-};
 
-use crate::runs::{Refused, Words, answered, doubts, figures_of};
+use crate::runs::{Folder, Refused, Words, answered, column, doubts, figures_of, json, quantity};
+use crate::two_masses::{BODY, Body, HAMMER, Hammer, RATE, SAMPLES, strike};
 
 /// Writes the exact accelerance of `body` as a table.
 fn accelerance(folder: &Path, body: Body) {
@@ -71,14 +66,14 @@ const BLOW: Hammer = Hammer {
 
 #[test]
 fn a_force_comes_back_within_its_band() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     accelerance(folder.path(), BODY);
     strike(folder.path(), "blow", BODY, BLOW);
     let text = sheet(
         FILE,
         &format!(r#"{TIKHONOV}, {ACTING}, non_negative: true, noise: FromRest("3.5 ms")"#),
     );
-    let outcome = answered(attempt(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     let peak = quantity(&outcome, "peak force");
     let error = peak.standard_error.unwrap();
     let bias = quantity(&outcome, "change of the peak by the regularisation");
@@ -121,11 +116,11 @@ fn a_force_comes_back_within_its_band() {
 
 #[test]
 fn without_regularisation_the_band_of_the_whole_history_holds_the_force() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     accelerance(folder.path(), BODY);
     strike(folder.path(), "blow", BODY, BLOW);
     let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     let force = column(&outcome, "force", "force");
     let measured = column(&outcome, "force", "measured force");
     let errors = column(&outcome, "force", "standard error of the force");
@@ -144,13 +139,13 @@ fn without_regularisation_the_band_of_the_whole_history_holds_the_force() {
 
 #[test]
 fn calibration_hits_tell_path_and_scatter() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     strike(folder.path(), "blow", BODY, BLOW);
     let rest = format!(
         r#"{TIKHONOV}, {ACTING}, noise: White("2 m/s2"), band: (from: "0.02 kHz", to: "5 kHz")"#
     );
-    let outcome = answered(attempt(folder.path(), &sheet(HITS, &rest)));
+    let outcome = answered(folder.run(&sheet(HITS, &rest)));
     let peak = quantity(&outcome, "peak force");
     let error = peak.standard_error.unwrap();
     let bias = quantity(&outcome, "change of the peak by the regularisation");
@@ -175,7 +170,7 @@ fn calibration_hits_tell_path_and_scatter() {
 
 #[test]
 fn what_contradicts_the_noise_is_said() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     accelerance(folder.path(), BODY);
     strike(folder.path(), "blow", BODY, BLOW);
     // the stated noise is a quarter of the true noise
@@ -183,7 +178,7 @@ fn what_contradicts_the_noise_is_said() {
         FILE,
         &format!(r#"{TIKHONOV}, {ACTING}, noise: White("0.5 m/s2")"#),
     );
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     let reasons = doubts(&outcome);
     reasons[0].must_say("the noise is underestimated");
     // the frequency response is that of another body
@@ -198,14 +193,14 @@ fn what_contradicts_the_noise_is_said() {
         FILE,
         &format!(r#"{TIKHONOV}, {ACTING}, noise: White("2 m/s2")"#),
     );
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     let chi = quantity(&outcome, "weighted residual per degree of freedom");
     assert!(chi.value.unwrap() > 10.0, "{chi:?}");
 }
 
 #[test]
 fn noise_alone_is_no_force() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     accelerance(folder.path(), BODY);
     let nothing = Hammer { peak: 0.0, ..BLOW };
     strike(folder.path(), "blow", BODY, nothing);
@@ -214,7 +209,7 @@ fn noise_alone_is_no_force() {
         FILE,
         &format!(r#"{ACTING}, {judged}, noise: White("2 m/s2")"#),
     );
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     assert_eq!(
         outcome.verdict,
         Verdict::NotAllowed {
@@ -224,13 +219,13 @@ fn noise_alone_is_no_force() {
     assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
     // if no checks are requested, warnings about the peak and the discrepancy show the same faults
     let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     let told = |words: &str| outcome.warnings.iter().any(|w| w.contains(words));
     assert!(told("no hit") && told("below three standard errors"));
     let rest = format!(
         r#"{ACTING}, noise: White("4 m/s2"), regularisation: Tikhonov(parameter: Discrepancy)"#
     );
-    let outcome = attempt(folder.path(), &sheet(FILE, &rest)).unwrap();
+    let outcome = folder.run(&sheet(FILE, &rest)).unwrap();
     assert_eq!(
         outcome.verdict,
         Verdict::NotAllowed {
@@ -242,20 +237,20 @@ fn noise_alone_is_no_force() {
 
 #[test]
 fn what_cannot_be_is_refused_where_it_stands() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     accelerance(folder.path(), BODY);
     strike(folder.path(), "blow", BODY, BLOW);
     strike(folder.path(), "hit", BODY, Hammer { hits: 2, ..HAMMER });
-    let lines = fs::read_to_string(folder.path().join("accelerance.csv")).unwrap();
+    let lines = folder.read("accelerance.csv");
     let every_second: Vec<&str> = lines
         .lines()
         .enumerate()
         .filter(|(n, _)| *n == 0 || n % 2 == 1)
         .map(|(_, line)| line)
         .collect();
-    fs::write(folder.path().join("wide.csv"), every_second.join("\n")).unwrap();
+    folder.write("wide.csv", every_second.join("\n"));
     let refused = |path: &str, rest: &str| {
-        let refused = attempt(folder.path(), &sheet(path, rest)).err();
+        let refused = folder.run(&sheet(path, rest)).err();
         refused.unwrap().to_string()
     };
     let refusals = [
@@ -311,7 +306,7 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
     let Some(hammer) = measured::folder().map(|data| data.join("hammer")) else {
         return;
     };
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let channels = r#"sampling_rate: "25.6 kHz", channels: [(name: "hammer", from: 2, unit: "N"), (name: "face", from: 3, unit: "m/s2")]"#;
     let file = |n: usize| {
         let path = hammer.join(format!("measurements_{n}.npy"));
@@ -326,7 +321,7 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
             others.join(", "),
             file(left_out),
         );
-        let outcome = attempt(folder.path(), &text).unwrap();
+        let outcome = folder.run(&text).unwrap();
         assert_eq!(outcome.verdict, Verdict::Answered, "{left_out}");
         let measured = column(&outcome, "force", "measured force");
         let largest = measured.iter().fold(0.0_f64, |a, b| a.max(*b));
@@ -352,14 +347,11 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
 /// is nearly right, but does not reproduce the response.
 #[test]
 fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "blow", BODY, BLOW);
     let text = sheet(FILE, ACTING);
     accelerance(folder.path(), BODY);
-    assert_eq!(
-        attempt(folder.path(), &text).unwrap().verdict,
-        Verdict::Answered
-    );
+    assert_eq!(folder.run(&text).unwrap().verdict, Verdict::Answered);
     accelerance(
         folder.path(),
         Body {
@@ -380,7 +372,7 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
     let noise = 0.9;
     let (mut peaks, mut impulses) = (Vec::new(), Vec::new());
     for seed in [30, 40, 50, 60] {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         strike(
             folder.path(),
             "hit",
@@ -426,10 +418,10 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
 /// The record of the hit is clipped at 60 % of the peak.
 #[test]
 fn a_clipped_blow_is_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     strike(folder.path(), "blow", BODY, BLOW);
-    let path = folder.path().join("blow1.csv");
+    let path = folder.file("blow1.csv");
     let text = fs::read_to_string(&path).unwrap();
     let acceleration = |line: &str| line.split(',').nth(2).and_then(|x| x.parse::<f64>().ok());
     let peak = text.lines().filter_map(acceleration).fold(0.0, f64::max);
@@ -445,7 +437,7 @@ fn a_clipped_blow_is_in_doubt() {
         })
         .collect();
     fs::write(&path, clipped.join("\n")).unwrap();
-    let outcome = attempt(folder.path(), &sheet(HITS, ACTING)).unwrap();
+    let outcome = folder.run(&sheet(HITS, ACTING)).unwrap();
     let reasons = doubts(&outcome).join("; ");
     reasons.must_say("the impact: clipped: `face`");
 }
@@ -453,13 +445,13 @@ fn a_clipped_blow_is_in_doubt() {
 /// The spectrum of a raised cosine of 0.3 ms has its first zero at 6.7 kHz.
 #[test]
 fn a_band_that_ends_below_the_content_of_the_blow_is_named() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let noise = 0.9;
     strike(folder.path(), "hit", BODY, Hammer { noise, ..HAMMER });
     strike(folder.path(), "blow", BODY, Hammer { noise, ..BLOW });
     for (to, is_told) in [("5 kHz", true), ("7 kHz", false)] {
         let text = sheet(HITS, &format!(r#"band: (from: "20 Hz", to: "{to}")"#));
-        let outcome = attempt(folder.path(), &text).unwrap();
+        let outcome = folder.run(&text).unwrap();
         let told = |w: &String| w.contains("at the end of the band");
         assert_eq!(outcome.warnings.iter().any(told), is_told, "{to}");
         let peak = quantity(&outcome, "peak force");
@@ -474,9 +466,9 @@ const TWO: &str = r#"record: (files: ["blow1.csv"], channels: [(name: "face", fr
 /// its response contains no information on the force, but that of the other mass does.
 #[test]
 fn two_responses_tell_what_one_does_not() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     accelerance(folder.path(), BODY);
-    write_lines(&folder.path().join("transfer.csv"), 1, |f| {
+    write_lines(&folder.file("transfer.csv"), 1, |f| {
         BODY.transfer(f) * Complex64::new(0.0, TAU * f)
     });
     strike(folder.path(), "blow", BODY, BLOW);
@@ -485,7 +477,7 @@ fn two_responses_tell_what_one_does_not() {
         let text = format!(
             r#"Force(title: "blow", problem: Response(path: {FILE}, {TWO}, {noise}, {further}))"#
         );
-        attempt(folder.path(), &text)
+        folder.run(&text)
     };
     let transfer = FILE
         .replace("File(", "(")
@@ -542,7 +534,7 @@ fn two_responses_tell_what_one_does_not() {
 /// responses.
 #[test]
 fn two_responses_are_calibrated_by_the_same_hits() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     strike(folder.path(), "blow", BODY, BLOW);
     let hits = HITS.replace(
@@ -553,7 +545,7 @@ fn two_responses_are_calibrated_by_the_same_hits() {
         let text = format!(
             r#"Force(title: "blow", problem: Response(path: {hits}, {TWO}, noise: White("2 m/s2"), {further}))"#
         );
-        attempt(folder.path(), &text).unwrap()
+        folder.run(&text).unwrap()
     };
     let two = r#"further: [(response: "tail", of_hits: "back", noise: White("2 m/s2"))]"#;
     let [one, two] = ["", two].map(by);

@@ -1,18 +1,17 @@
 //! The force when a measured body meets another: the body is struck by a virtual hammer first, and
 //! the impact is integrated in time.
 
-use crate::two_masses;
-
 use std::fs;
 use std::path::Path;
 
 use rodlab::outcome::{Outcome, Verdict};
 use rodlab::output::{SheetIdentity, write};
-use tempfile::TempDir;
-use two_masses::{BODY, HAMMER, Hammer, attempt, column, json, quantity, strike};
 
 use crate::runge_kutta::after_step;
-use crate::runs::{Refused, Words, answered, figures_of, tables_of};
+use crate::runs::{
+    Folder, Refused, Words, answered, column, figures_of, json, outcome_of, quantity, tables_of,
+};
+use crate::two_masses::{BODY, HAMMER, Hammer, strike};
 
 const VELOCITY: f64 = 2.0;
 const IMPEDANCE: f64 = 1000.0;
@@ -24,7 +23,7 @@ fn measure(folder: &Path) -> Outcome {
         ..HAMMER
     };
     strike(folder, "hit", BODY, hammer);
-    let outcome = attempt(
+    let outcome = outcome_of(
         folder,
         r#"Mobility(title: "two masses", source: Hits(
             records: (files: ["hit*.csv"], channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]),
@@ -75,12 +74,9 @@ const FRONT: &str = r#", front_impedance: "1e9 kg/s""#;
 
 #[test]
 fn r05_without_a_front_impedance_the_force_is_had_on_lines_only() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     measure(folder.path());
-    let outcome = answered(attempt(
-        folder.path(),
-        &sheet(FIRST, "uncertainty: (draws: 60)"),
-    ));
+    let outcome = answered(folder.run(&sheet(FIRST, "uncertainty: (draws: 60)")));
     let names: Vec<&str> = outcome.quantities.iter().map(|q| q.name.as_str()).collect();
     assert!(!names.contains(&"peak force") && !names.contains(&"end of the last contact"));
     assert_eq!(tables_of(&outcome), "force, stick_force");
@@ -88,17 +84,17 @@ fn r05_without_a_front_impedance_the_force_is_had_on_lines_only() {
     outcome.summary[0].must_begin("On lines up to 6 kHz");
     // jobs that need time marching are refused
     for rest in [r#"contact: Linear("20 MN/m")"#, r#"time_step: "1 us""#] {
-        let refused = attempt(folder.path(), &sheet(FIRST, rest)).refused();
+        let refused = folder.run(&sheet(FIRST, rest)).refused();
         refused.must_say("front_impedance");
     }
 }
 
 #[test]
 fn a_measured_body_presses_as_the_body_itself() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     measure(folder.path());
     let text = sheet(&format!("{FIRST}{FRONT}"), "uncertainty: (draws: 60)");
-    let outcome = answered(attempt(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     let exact = truth(5e-3);
     let at = |time: f64| exact[(time * 1e6).round() as usize];
     // the two masses stay in contact: velocity and force decay with 1.5 ms and ring at 1.7 kHz
@@ -149,22 +145,19 @@ fn a_measured_body_presses_as_the_body_itself() {
         .iter()
         .find(|setting| setting.name == "problem.uncertainty.seed");
     assert_eq!(seed.unwrap().value, "1");
-    assert_eq!(
-        json(&outcome),
-        json(&attempt(folder.path(), &text).unwrap())
-    );
+    assert_eq!(json(&outcome), json(&folder.run(&text).unwrap()));
 }
 
 /// The measured body is projected on causal and on passive bodies: the force is nearly unchanged,
 /// and the change of the lines is reported.
 #[test]
 fn a_projection_says_what_it_has_changed() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     measure(folder.path());
     let peak = |projection: &str| {
         let first = format!("{FIRST}{FRONT}{projection}");
         let text = sheet(&first, "uncertainty: (draws: 60)");
-        let outcome = answered(attempt(folder.path(), &text));
+        let outcome = answered(folder.run(&text));
         let peak = quantity(&outcome, "peak force in the band").value.unwrap();
         (outcome, peak)
     };
@@ -192,7 +185,7 @@ fn a_projection_says_what_it_has_changed() {
 
 #[test]
 fn more_error_of_the_scale_is_more_error_of_the_force() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     measure(folder.path());
     let error_of = |scale: &str| {
         let first = FIRST.replace("1 %", scale);
@@ -211,10 +204,10 @@ fn more_error_of_the_scale_is_more_error_of_the_force() {
 
 #[test]
 fn what_cannot_be_is_refused_where_it_stands() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     measure(folder.path());
     let refused = |first: &str, rest: &str| {
-        let refused = attempt(folder.path(), &sheet(first, rest)).err();
+        let refused = folder.run(&sheet(first, rest)).err();
         refused.unwrap().to_string()
     };
     let refusals = [
@@ -247,7 +240,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
 #[test]
 fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
     use num_complex::Complex64;
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (step, modulus, density, area) = (20.0, 3e9, 1150.0, 3.1416e-4);
     // mobilities of a Zener rod of 0.15 m, proportional to coth and 1/sinh of gamma L
     let entry = |of_ways: fn(Complex64) -> Complex64| {
@@ -270,8 +263,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
         }
         text
     };
-    fs::write(folder.path().join("same.csv"), entry(|x| 1.0 / x.tanh())).unwrap();
-    fs::write(folder.path().join("across.csv"), entry(|x| 1.0 / x.sinh())).unwrap();
+    folder.write("same.csv", entry(|x| 1.0 / x.tanh()));
+    folder.write("across.csv", entry(|x| 1.0 / x.sinh()));
     let mass = density * area * 0.15;
     let response = |file: &str| {
         format!(
@@ -302,8 +295,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
         r#"Chain(elements: [{}], end: Dashpot("900 kg/s"))"#,
         rod("550 mm")
     );
-    let found = answered(attempt(folder.path(), &sheet(&joined)));
-    let exact = attempt(folder.path(), &sheet(&whole)).unwrap();
+    let found = answered(folder.run(&sheet(&joined)));
+    let exact = folder.run(&sheet(&whole)).unwrap();
     let [ours, theirs] =
         [&found, &exact].map(|outcome| column(outcome, "force_in_band", "force in the band"));
     let peak = theirs.iter().copied().fold(0.0, f64::max);
@@ -322,11 +315,11 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
     // if the mobility is measured in the other direction, too, it must be equal by reciprocity;
     // otherwise the result is in doubt
     let backward = format!(r#"(between: ("edge", "shank"), {})"#, response("across"));
-    fs::write(folder.path().join("louder.csv"), entry(|x| 1.05 / x.sinh())).unwrap();
+    folder.write("louder.csv", entry(|x| 1.05 / x.sinh()));
     for (file, difference, verdict) in [("across", 0.0, true), ("louder", 0.0488, false)] {
         let forward = format!(r#"(between: ("shank", "edge"), {})"#, response(file));
         let both = joined.replacen(&backward, &format!("{backward}, {forward}"), 1);
-        let found = attempt(folder.path(), &sheet(&both)).unwrap();
+        let found = folder.run(&sheet(&both)).unwrap();
         assert_eq!(
             found.verdict == Verdict::Answered,
             verdict,
@@ -355,14 +348,16 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
             "one of \"shank\", \"edge\"",
         ),
     ] {
-        let refused = attempt(folder.path(), &sheet(&joined.replacen(from, to, 1))).unwrap_err();
+        let refused = folder
+            .run(&sheet(&joined.replacen(from, to, 1)))
+            .unwrap_err();
         assert!(refused.to_string().contains(expected), "{refused}");
     }
 }
 
 #[test]
 fn r11_a_doubt_about_a_mobility_is_one_about_its_force() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let mut mobility = measure(folder.path());
     let identity = SheetIdentity {
         file: "body.ron".to_owned(),
@@ -370,9 +365,9 @@ fn r11_a_doubt_about_a_mobility_is_one_about_its_force() {
     };
     let first = FIRST.replace("body.uff", "result/mobility.uff");
     let mut verdict = || {
-        write(&mobility, &identity, &folder.path().join("result"), &[]).unwrap();
+        write(&mobility, &identity, &folder.file("result"), &[]).unwrap();
         mobility.doubt("the hits are one measurement");
-        attempt(folder.path(), &sheet(&first, "")).unwrap().verdict
+        folder.run(&sheet(&first, "")).unwrap().verdict
     };
     assert_eq!(verdict(), Verdict::Answered);
     let Verdict::InDoubt { reasons } = verdict() else {

@@ -6,7 +6,6 @@ mod transducers;
 
 use crate::struck_rods;
 
-use std::fs;
 use std::path::Path;
 
 use rodlab::outcome::{Cells, Column, Outcome, Verdict};
@@ -16,15 +15,14 @@ use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use struck_rods::{
     MODULUS, displacements, linear_velocities, velocities, velocities_of_a_flat_striker,
 };
-use tempfile::TempDir;
 
 use crate::runs::{
-    Refused, Words, answered, doubts, figures_of, is_found, json, outcome_of as attempt, quantity,
+    Folder, Refused, Words, answered, doubts, figures_of, is_found, json, outcome_of, quantity,
     refusal, rodlab, words,
 };
 
 fn refused(folder: &Path, text: &str) -> String {
-    attempt(folder, text).refused()
+    outcome_of(folder, text).refused()
 }
 
 /// An entry of the field `tests` in a sheet; `more` contains further fields.
@@ -60,7 +58,7 @@ fn sheet(tests: &[String], more: &str) -> String {
 /// entries.
 fn slow_and_fast(folder: &TempDir, truth: &impl InelasticLaw) -> [String; 2] {
     [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)].map(|(file, velocity, seed)| {
-        let path = folder.path().join(file);
+        let path = folder.file(file);
         velocities(truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
         test_entry(file, &format!("{velocity} m/s"), r#"to: "2.5 ms","#)
     })
@@ -73,13 +71,13 @@ const QUICK: &str = r#"cell: "4 mm""#;
 
 #[test]
 fn two_impact_velocities_give_the_law_and_its_parameters() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (kappa, rate) = (1.8, 8.0);
     let truth = MaxwellNorton::from_reference_rate(kappa, rate, 10e6).unwrap();
     let tests = slow_and_fast(&folder, &truth);
-    let slow = fs::read_to_string(folder.path().join("slow.csv")).unwrap();
-    fs::write(folder.path().join("slow.csv"), slow.trim_end()).unwrap();
-    let outcome = answered(attempt(folder.path(), &sheet(&tests, QUICK)));
+    let slow = folder.read("slow.csv");
+    folder.write("slow.csv", slow.trim_end());
+    let outcome = answered(folder.run(&sheet(&tests, QUICK)));
     outcome
         .warnings
         .must_begin("the last line of slow.csv has no line ending");
@@ -112,7 +110,7 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
 /// that is 5 % too high.
 #[test]
 fn tests_that_contradict_each_other_are_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
     let mut tests = slow_and_fast(&folder, &truth);
     let agreeing = answered(attempt(folder.path(), &sheet(&tests, QUICK)));
@@ -124,16 +122,16 @@ fn tests_that_contradict_each_other_are_in_doubt() {
         "to: ",
         r#"specimen: (length: "404 mm ± 0 mm", density: "912 kg/m3 ± 0 %"), to: "#,
     );
-    let outcome = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
+    let outcome = folder.run(&sheet(&tests, QUICK)).unwrap();
     doubts(&outcome).must_begin("the tests contradict each other for every remaining law");
 }
 
 #[test]
 fn a_reversed_response_and_a_noise_below_the_converter_are_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let mut histories = velocities(&Maxwell::new(4e6).unwrap(), 10.0);
     let text = sheet(&[test_entry("one.csv", "10 m/s", "")], QUICK);
-    let path = folder.path().join("one.csv");
+    let path = folder.file("one.csv");
     histories.write(&path, 0.0, 1, "m/s", 1.0);
     insta::assert_snapshot!(refused(folder.path(), &text), @"tests[0].noise is absent, and `near end` has one value before the wave arrives, expected `Velocities` with the noise of both histories: it is smaller than the step of the converter, and the error of rounding is 0.29 steps");
     histories.free_end.iter_mut().for_each(|v| *v = -*v);
@@ -153,7 +151,7 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
         r#"to: "2.5 ms", noise: Velocities(excitation: "0.05 m/s", response: "0.05 m/s")"#,
     );
     let text = sheet(&[test], &format!("profiles: false, {QUICK}"));
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     outcome.summary[0].must_begin("The data cannot tell the laws ");
     assert_eq!(outcome.verdict, Verdict::Answered);
     assert!(is_found(&outcome, "Maxwell: viscosity eta", 4e6, [3.0, 0.3]).valid);
@@ -163,8 +161,8 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
 /// a repetition does not.
 #[test]
 fn the_next_test_is_the_one_that_tells_the_laws_apart() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("one.csv");
+    let folder = Folder::new();
+    let path = folder.file("one.csv");
     let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
     velocities(&norton, 10.0).write(&path, 0.05, 3, "m/s", 1.0);
     let test = test_entry(
@@ -174,7 +172,7 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
     );
     let planned = |velocities: &str| {
         let next = format!("profiles: false, next: (velocities: [{velocities}]), {QUICK}");
-        attempt(folder.path(), &sheet(std::slice::from_ref(&test), &next))
+        folder.run(&sheet(std::slice::from_ref(&test), &next))
     };
     let outcome = planned(r#""10 m/s", "30 m/s""#).unwrap();
     assert_eq!(
@@ -226,7 +224,7 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
 fn behind_a_flat_striker(folder: &TempDir, truth: &impl InelasticLaw, own: &str) -> Vec<String> {
     let tests = [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)];
     let entries = tests.map(|(file, velocity, seed)| {
-        let path = folder.path().join(file);
+        let path = folder.file(file);
         let noise = 8e-3 * velocity;
         velocities_of_a_flat_striker(truth, velocity).write(&path, noise, seed, "m/s", 1.0);
         test_entry(file, &format!("{velocity} m/s"), own)
@@ -238,12 +236,12 @@ fn behind_a_flat_striker(folder: &TempDir, truth: &impl InelasticLaw, own: &str)
 /// of a nonlinear law is identified, and the verdict states the reason.
 #[test]
 fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
     let tests = behind_a_flat_striker(&folder, &truth, r#"to: "2.5 ms", cutoff: "16 kHz","#);
     let of = |laws: &str| {
         let more = format!("laws: [{laws}], compare: false, profiles: false, {QUICK}");
-        attempt(folder.path(), &sheet(&tests, &more)).unwrap()
+        folder.run(&sheet(&tests, &more)).unwrap()
     };
     let norton = of("Norton");
     let reason = refusal(&norton);
@@ -259,7 +257,7 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     said.must_say_all(&["softer impact", "(cut-off 16.0 kHz)"]);
     // a linear rod commutes with the filter
     velocities_of_a_flat_striker(&Maxwell::new(4e6).unwrap(), 10.0).write(
-        &folder.path().join("linear.csv"),
+        &folder.file("linear.csv"),
         0.02,
         3,
         "m/s",
@@ -267,7 +265,7 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     );
     let test = test_entry("linear.csv", "10 m/s", r#"to: "2.5 ms""#);
     let only = format!("laws: [Maxwell], compare: false, profiles: false, {QUICK}");
-    let maxwell = answered(attempt(folder.path(), &sheet(&[test], &only)));
+    let maxwell = answered(folder.run(&sheet(&[test], &only)));
     assert!(is_found(&maxwell, "Maxwell: viscosity eta", 4e6, [3.5, 0.1]).valid);
 }
 
@@ -275,14 +273,14 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
 /// and the log states the assumption.
 #[test]
 fn a_stated_recorder_is_part_of_the_model() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
     let tests = behind_a_flat_striker(&folder, &truth, r#"to: "2.5 ms""#);
     let with = |recorder: &str, compare: bool| {
         let more = format!(
             "recorder: {recorder}, laws: [Norton], compare: {compare}, profiles: false, {QUICK}"
         );
-        attempt(folder.path(), &sheet(&tests, &more))
+        folder.run(&sheet(&tests, &more))
     };
     let of = |recorder: &str| with(recorder, false);
     // the law is named, or remains possible together with another nonlinear law
@@ -343,7 +341,7 @@ fn a_stated_recorder_is_part_of_the_model() {
 /// valid.
 #[test]
 fn r24_the_linear_law_that_is_named_has_values_with_errors() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (spring, branch, time) = (2.2e9, 0.4e9, 60e-6);
     let material = GeneralisedMaxwell::new(
         spring,
@@ -353,14 +351,14 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
         }],
     )
     .unwrap();
-    let path = folder.path().join("one.csv");
+    let path = folder.file("one.csv");
     linear_velocities(&material, 10.0).write(&path, 0.02, 3, "m/s", 1.0);
     let test = test_entry("one.csv", "10 m/s", r#"to: "2.5 ms""#);
     let text = sheet(
         &[test],
         &format!("laws: [Maxwell], profiles: false, {QUICK}"),
     );
-    let outcome = answered(attempt(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     for (name, truth) in [
         ("Zener: Young's modulus E", spring + branch),
         ("Zener: modulus of the spring E_0", spring),
@@ -384,12 +382,12 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
 /// determine.
 #[test]
 fn r24_an_elastic_rod_supports_no_law_of_damping() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("one.csv");
+    let folder = Folder::new();
+    let path = folder.file("one.csv");
     velocities(&Elastic, 10.0).write(&path, 0.2, 5, "m/s", 1.0);
     let test = test_entry("one.csv", "10 m/s", r#"to: "2.5 ms""#);
     let text = sheet(&[test], &format!("profiles: false, {QUICK}"));
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     let first = &outcome.summary[0];
     first.must_say("elastic");
     assert!(
@@ -401,10 +399,10 @@ fn r24_an_elastic_rod_supports_no_law_of_damping() {
 /// One recording used as two tests is refused.
 #[test]
 fn r10_one_recording_as_two_tests_is_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = velocities(&Maxwell::new(4e6).unwrap(), 10.0);
-    rod.write(&folder.path().join("one.csv"), 0.02, 1, "m/s", 1.0);
-    rod.write(&folder.path().join("two.csv"), 0.02, 1, "mm/s", 1e3);
+    rod.write(&folder.file("one.csv"), 0.02, 1, "m/s", 1.0);
+    rod.write(&folder.file("two.csv"), 0.02, 1, "mm/s", 1e3);
     let only = "laws: [Maxwell], compare: false, profiles: false";
     let tests = [
         test_entry("one.csv", "10 m/s", ""),
@@ -426,8 +424,8 @@ fn r10_one_recording_as_two_tests_is_refused() {
 
 #[test]
 fn displacements_are_differentiated_and_give_the_law() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("one.csv");
+    let folder = Folder::new();
+    let path = folder.file("one.csv");
     let truth = Maxwell::new(4e6).unwrap();
     // noise of one micrometre, a five-thousandth of the range of 5 mm
     displacements(&truth, 10.0).write(&path, 1e-6, 3, "um", 1e6);
@@ -435,7 +433,7 @@ fn displacements_are_differentiated_and_give_the_law() {
     let only_maxwell = "laws: [Maxwell], compare: false, profiles: false";
     let noise = r#"range: "20 mm", noise: Displacements(excitation: "1 um", response: "1 um")"#;
     let text = sheet(&[test(noise)], only_maxwell);
-    let outcome = answered(attempt(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     for (name, truth, largest) in [
         ("Maxwell: Young's modulus E", MODULUS, 0.005),
         ("Maxwell: viscosity eta", 4e6, 0.1),
@@ -468,8 +466,8 @@ fn displacements_are_differentiated_and_give_the_law() {
 
 #[test]
 fn an_elastic_rod_has_no_damping_to_identify() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("one.csv");
+    let folder = Folder::new();
+    let path = folder.file("one.csv");
     // an elastic rod commutes with the filter of the recorder
     velocities_of_a_flat_striker(&Elastic, 10.0).write(&path, 0.2, 5, "m/s", 1.0);
     let test = test_entry("one.csv", "10 m/s", r#"to: "2.5 ms""#);
@@ -477,10 +475,10 @@ fn an_elastic_rod_has_no_damping_to_identify() {
         &[test],
         &format!("laws: [Maxwell], compare: false, {QUICK}"),
     );
-    fs::write(folder.path().join("identify.ron"), &text).unwrap();
-    let ran = rodlab(folder.path(), &["--quiet", "identify", "identify.ron"]);
+    folder.write("identify.ron", &text);
+    let ran = folder.rodlab("--quiet identify identify.ron");
     assert_eq!(ran.status.code(), Some(1));
-    let outcome = attempt(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     let reason = refusal(&outcome);
     assert_eq!(
         reason,
@@ -494,10 +492,10 @@ fn an_elastic_rod_has_no_damping_to_identify() {
 
 #[test]
 fn what_is_wrong_with_tests_is_said() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = velocities(&Maxwell::new(4e6).unwrap(), 10.0);
-    rod.write(&folder.path().join("one.csv"), 0.01, 1, "m/s", 1.0);
-    rod.write(&folder.path().join("forces.csv"), 0.01, 1, "N", 1.0);
+    rod.write(&folder.file("one.csv"), 0.01, 1, "m/s", 1.0);
+    rod.write(&folder.file("forces.csv"), 0.01, 1, "N", 1.0);
     let only = "laws: [Maxwell], compare: false, profiles: false";
     let of = |file: &str, more: &str| sheet(&[test_entry(file, "10 m/s", more)], only);
     let crime = format!(r#"generator: "{}""#, characteristics::GENERATOR);

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use rodlab::inspect::{inspect, inspect_bytes};
 
-use crate::runs::{Refused, Words, npy, without_formats};
+use crate::runs::{Folder, Refused, Words, npy, without_formats};
 
 /// A table with a hit of 2 ms: time, force clipped at `range`, and acceleration with an offset.
 fn table(range: f64, offset: f64) -> String {
@@ -198,8 +198,8 @@ fn the_inspection_is_the_same_as_json() {
 
 #[test]
 fn what_is_no_file_of_data_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let missing = inspect(&folder.path().join("absent.npy")).refused();
+    let folder = Folder::new();
+    let missing = inspect(&folder.file("absent.npy")).refused();
     missing.must_begin("cannot read ");
     missing.must_say("absent.npy");
     let error = inspect_bytes(b"\x7fELF\x02\x01\x01\x00", "program").unwrap_err();

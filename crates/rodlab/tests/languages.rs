@@ -9,9 +9,8 @@ use rodlab::Outcome;
 use rodlab::job::{self, Sheet, Silent};
 use rodlab::sheet::{self, Language};
 use rodlab::templates::JobName;
-use tempfile::TempDir;
 
-use crate::runs::{Words, done, rodlab, text};
+use crate::runs::{Folder, Words, rodlab, text};
 
 /// Paths of the sheets of the examples in RON.
 fn examples() -> Vec<PathBuf> {
@@ -287,10 +286,10 @@ fn a_sheet_of_no_language_is_told_what_one_is() {
 
 #[test]
 fn the_terminal_shows_every_mistake_with_its_line() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let sheet = "job = \"force\"\ntitle = \"a\"\n[problem.impact]\nfirst = { rigid_mass = \"1 m\" }\nsecond = { impedance = \"1 kg\" }\n";
-    fs::write(folder.path().join("hit.toml"), sheet).unwrap();
-    let said = text(&rodlab(folder.path(), &["check", "hit.toml"]).stderr);
+    folder.write("hit.toml", sheet);
+    let said = text(&folder.rodlab("check hit.toml").stderr);
     for part in [
         "hit.toml:3:1: problem.impact: the field `velocity` is missing (and 3",
         "the field `duration` is missing",
@@ -306,21 +305,21 @@ const FORCE: &str = "job = \"force\"\ntitle = \"{{mass}}\"\n[problem.impact]\nfi
 
 #[test]
 fn campaigns_take_both_languages_and_leave_other_files_alone() {
-    let folder = TempDir::new().unwrap();
-    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let folder = Folder::new();
+    let write = |name: &str, text: &str| folder.write(name, text);
     write("hit.template", FORCE);
     write(
         "plan.txt",
         "template = \"hit.template\"\ngrid = [{ name = \"mass\", values = [\"1 kg\", \"2 kg\"] }]\n",
     );
-    let swept = done(folder.path(), &["sweep", "plan.txt", "--out", "sheets"]);
+    let swept = folder.done("sweep plan.txt --out sheets");
     assert_eq!(swept, "2 sheets and sweep.csv in sheets\n");
     write("sheets/pyproject.toml", "[project]\nname = \"analysis\"\n");
     let ron = r#"Force(title: "c", problem: Impact(first: RigidMass("3 kg"), second: Impedance("1000 kg/s"),
         velocity: "1 m/s", duration: "4 ms", time_step: "10 us"))"#;
     write("sheets/c.ron", ron);
     write("sheets/d.toml", "job = \"force\"\nthis is wrong\n");
-    let run = rodlab(folder.path(), &["batch", "sheets", "--out", "results"]);
+    let run = folder.rodlab("batch sheets --out results");
     let said = text(&run.stdout);
     for test in [
         "answered     hit-1",
@@ -331,7 +330,7 @@ fn campaigns_take_both_languages_and_leave_other_files_alone() {
         said.must_say(test);
     }
     said.must_say("4 tests:");
-    let run = rodlab(folder.path(), &["list", "sheets/*.toml"]);
+    let run = folder.rodlab("list sheets/*.toml");
     assert!(
         text(&run.stdout).contains("pyproject"),
         "a pattern takes what it matches"
@@ -340,7 +339,7 @@ fn campaigns_take_both_languages_and_leave_other_files_alone() {
 
 #[test]
 fn init_writes_toml_unless_ron_is_asked_for() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let init = |arguments: &[&str]| {
         rodlab(folder.path(), &[&["init"], arguments].concat())
             .status
@@ -350,26 +349,23 @@ fn init_writes_toml_unless_ron_is_asked_for() {
     assert_eq!(init(&["modulus", "--ron"]), Some(0));
     assert_eq!(init(&["frf", "a.ron"]), Some(0));
     assert_eq!(init(&["frf", "b.toml", "--ron"]), Some(2));
-    let language =
-        |name: &str| Language::of(&fs::read_to_string(folder.path().join(name)).unwrap());
+    let language = |name: &str| Language::of(&folder.read(name));
     assert_eq!(language("modulus.toml"), Some(Language::Toml));
     assert_eq!(language("modulus.ron"), Some(Language::Ron));
     assert_eq!(language("a.ron"), Some(Language::Ron));
-    assert!(!folder.path().join("b.toml").exists());
+    assert!(!folder.has("b.toml"));
 }
 
 #[test]
 fn simulate_writes_sheets_in_the_language_of_its_own() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/plan.ron");
     let plan = fs::read_to_string(&example).unwrap();
-    let folder = TempDir::new().unwrap();
-    fs::write(
-        folder.path().join("plan.toml"),
-        sheet::in_toml(&example, &plan).unwrap(),
-    )
-    .unwrap();
-    done(folder.path(), &["simulate", "plan.toml"]).must_say("`rodlab modulus modulus.toml`");
-    let written = fs::read_to_string(folder.path().join("plan-result/modulus.toml")).unwrap();
+    let folder = Folder::new();
+    folder.write("plan.toml", sheet::in_toml(&example, &plan).unwrap());
+    folder
+        .done("simulate plan.toml")
+        .must_say("`rodlab modulus modulus.toml`");
+    let written = folder.read("plan-result/modulus.toml");
     written.must_say("# each record is a hit\n");
     let of_ron = outcome(&example, &plan);
     let sheet = of_ron
@@ -378,5 +374,5 @@ fn simulate_writes_sheets_in_the_language_of_its_own() {
         .find(|file| file.name == "modulus.ron")
         .unwrap();
     assert_eq!(fields(&written), fields(&text(&sheet.bytes)));
-    done(folder.path(), &["check", "plan-result/modulus.toml"]);
+    folder.done("check plan-result/modulus.toml");
 }

@@ -1,18 +1,17 @@
 //! Mobilities from sheets: from virtual hits on two masses with a spring and a dashpot between
 //! them, integrated in time and compared with the closed form; from files; of computed bodies.
 
-use crate::two_masses;
-
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
 use num_complex::Complex64;
 use rodlab::outcome::{Cells, Outcome, Verdict};
-use tempfile::TempDir;
-use two_masses::{BODY, Body, HAMMER, Hammer, attempt, column, json, quantity, strike, words};
 
-use crate::runs::{Refused, Words, answered, doubts, figures_of};
+use crate::runs::{
+    Folder, Refused, Words, answered, column, doubts, figures_of, json, outcome_of, quantity, words,
+};
+use crate::two_masses::{BODY, Body, HAMMER, Hammer, strike};
 
 const CHANNELS: &str =
     r#"channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]"#;
@@ -50,7 +49,7 @@ const WEIGHED: &str = r#"support: Free(mass: "1.5 kg ± 1 gram"), up_to: "5 kHz"
 
 #[test]
 fn hits_give_the_mobility_within_its_errors() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     let text = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
     let outcome = answered(attempt(folder.path(), &text));
@@ -85,12 +84,10 @@ fn hits_give_the_mobility_within_its_errors() {
 
     // the universal file is read back with the same values and errors
     let attachment = &outcome.attachments[0];
-    fs::write(folder.path().join(&attachment.name), &attachment.bytes).unwrap();
-    let again = attempt(
-        folder.path(),
-        &sheet(r#"File(file: "mobility.uff")"#, WEIGHED),
-    )
-    .unwrap();
+    folder.write(&attachment.name, &attachment.bytes);
+    let again = folder
+        .run(&sheet(r#"File(file: "mobility.uff")"#, WEIGHED))
+        .unwrap();
     for (there, here) in lines(&outcome).iter().zip(lines(&again)).skip(1) {
         assert!((there - here).norm() < 1e-10 * there.norm()); // thirteen digits
     }
@@ -110,7 +107,7 @@ fn hits_give_the_mobility_within_its_errors() {
 
 #[test]
 fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let with_head = Body {
         struck: 1.04,
         ..BODY
@@ -123,7 +120,7 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
     let rest = format!(
         r#"{WEIGHED}, head_mass: "40 gram ± 0.5 gram", complete: (below: "100 Hz", fitted_to: "400 Hz")"#
     );
-    let outcome = attempt(folder.path(), &sheet(&source, &rest)).unwrap();
+    let outcome = folder.run(&sheet(&source, &rest)).unwrap();
     let found = mean_square_error(&outcome, BODY);
     assert!((0.75..1.75).contains(&found), "{found}");
     for (line, f) in lines(&outcome)
@@ -152,14 +149,14 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
 
 #[test]
 fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     let source = format!("Hits{}", hits("hit*.csv"));
     let inverted = source.replace(
         r#"from: "acceleration""#,
         r#"from: "acceleration", inverted: true"#,
     );
-    let outcome = attempt(folder.path(), &sheet(&inverted, WEIGHED)).unwrap();
+    let outcome = folder.run(&sheet(&inverted, WEIGHED)).unwrap();
     let making = quantity(&outcome, "lines that make energy");
     assert!(!making.valid && making.value.unwrap() > 10.0, "{making:?}");
     let said = doubts(&outcome).join("; ");
@@ -176,9 +173,8 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
         &sheet(
             &source,
             r#"support: Free(mass: "1.8 kg ± 1 gram"), up_to: "5 kHz""#,
-        ),
-    )
-    .unwrap();
+        ))
+        .unwrap();
     assert!(!quantity(&outcome, "mass by the low lines").valid);
     let said = doubts(&outcome).join("; ");
     said.must_begin("screening: ");
@@ -196,13 +192,13 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
 /// Lines that were replaced by those of the weighed mass do not confirm this mass.
 #[test]
 fn s5_a_wrong_mass_is_named_though_it_made_the_low_lines() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     let source = format!("Hits{}", hits("hit*.csv"));
     let complete = r#"up_to: "5 kHz", complete: (below: "250 Hz", fitted_to: "600 Hz")"#;
     let of = |mass: &str| {
         let rest = format!(r#"support: Free(mass: "{mass} ± 1 gram"), {complete}"#);
-        attempt(folder.path(), &sheet(&source, &rest)).unwrap()
+        folder.run(&sheet(&source, &rest)).unwrap()
     };
     let right = of("1.5 kg");
     assert_eq!(right.verdict, Verdict::Answered);
@@ -227,7 +223,7 @@ fn s12_a_channel_that_is_5_us_early_or_late_is_found() {
     };
     strike(folder.path(), "hit", BODY, hammer);
     let source = format!("Hits{}", hits("hit*.csv"));
-    let good = answered(attempt(folder.path(), &sheet(&source, WEIGHED)));
+    let good = answered(folder.run(&sheet(&source, WEIGHED)));
     for name in [
         "motion too early that would have been seen",
         "motion too late that would have been seen",
@@ -240,7 +236,7 @@ fn s12_a_channel_that_is_5_us_early_or_late_is_found() {
             r#"from: "acceleration""#,
             &format!(r#"from: "acceleration", time_skew: "{skew}""#),
         );
-        let outcome = attempt(folder.path(), &sheet(&skewed, WEIGHED)).unwrap();
+        let outcome = folder.run(&sheet(&skewed, WEIGHED)).unwrap();
         let Verdict::InDoubt { reasons } = &outcome.verdict else {
             unreachable!("{skew}: {:?}", outcome.verdict);
         };
@@ -256,7 +252,7 @@ fn s12_a_channel_that_is_5_us_early_or_late_is_found() {
 
 #[test]
 fn s6_an_estimator_of_the_second_hammer_acts_or_is_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(
         folder.path(),
         "soft",
@@ -286,7 +282,9 @@ fn s6_an_estimator_of_the_second_hammer_acts_or_is_refused() {
             of("soft*.csv", low),
             of("hard*.csv", high)
         );
-        attempt(folder.path(), &sheet(&source, WEIGHED)).map(|outcome| lines(&outcome)[40])
+        folder
+            .run(&sheet(&source, WEIGHED))
+            .map(|outcome| lines(&outcome)[40])
     };
     let said = with("H1", "H2").refused();
     insta::assert_snapshot!(said, @"source.high.estimator is H2, expected H1, as in source.low");
@@ -295,11 +293,11 @@ fn s6_an_estimator_of_the_second_hammer_acts_or_is_refused() {
 
 #[test]
 fn r24_without_a_limit_lines_are_screened_that_carry_a_signal() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     let free = WEIGHED.replace(r#", up_to: "5 kHz""#, "");
     let text = sheet(&format!("Hits{}", hits("hit*.csv")), &free);
-    let outcome = answered(attempt(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     let named = |name: &str| outcome.settings.iter().find(|s| s.name == name);
     let screened = named("lines that are screened").unwrap();
     assert!(
@@ -310,37 +308,33 @@ fn r24_without_a_limit_lines_are_screened_that_carry_a_signal() {
 
 #[test]
 fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, HAMMER);
     let hit = fs::read_to_string(folder.path().join("hit3.csv")).unwrap();
     fs::write(folder.path().join("soft_hit.csv"), &hit).unwrap();
     // a file with other bytes but the same numbers
     fs::write(folder.path().join("hit9.csv"), hit.clone() + "\n").unwrap();
     let one = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
-    let said = attempt(folder.path(), &one).refused();
+    let said = folder.run(&one).refused();
     insta::assert_snapshot!(said, @"hit 3, hit3.csv and hit 9, hit9.csv have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
-    fs::remove_file(folder.path().join("hit9.csv")).unwrap();
-    fs::copy(
-        folder.path().join("hit4.csv"),
-        folder.path().join("soft_other.csv"),
-    )
-    .unwrap();
+    fs::remove_file(folder.file("hit9.csv")).unwrap();
+    fs::copy(folder.file("hit4.csv"), folder.file("soft_other.csv")).unwrap();
     let two = format!(
         "TwoHammers(low: {}, high: {})",
         hits("soft*.csv"),
         hits("hit*.csv")
     );
-    let said = attempt(folder.path(), &sheet(&two, WEIGHED)).refused();
+    let said = folder.run(&sheet(&two, WEIGHED)).refused();
     said.must_say("have the same content");
     // the same if a file is listed for both hammers
     let two = two.replace("soft*.csv", "hit[12].csv");
-    let said = attempt(folder.path(), &sheet(&two, WEIGHED)).refused();
+    let said = folder.run(&sheet(&two, WEIGHED)).refused();
     insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
 }
 
 #[test]
 fn a_soft_and_a_hard_hammer_become_one() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let soft = Hammer {
         pulse: 2e-3,
         ..HAMMER
@@ -358,7 +352,7 @@ fn a_soft_and_a_hard_hammer_become_one() {
             hits("soft*.csv"),
             hits("hard*.csv")
         );
-        let outcome = attempt(folder.path(), &sheet(&source, WEIGHED)).unwrap();
+        let outcome = folder.run(&sheet(&source, WEIGHED)).unwrap();
         let found = mean_square_error(&outcome, BODY);
         // because the weights are estimated from 8 hits each, the stated variance is too small by
         // up to a half
@@ -383,13 +377,15 @@ fn a_soft_and_a_hard_hammer_become_one() {
 
 #[test]
 fn too_few_hits_are_no_mobility() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, Hammer { hits: 2, ..HAMMER });
     let source = hits("hit*.csv").replace(
         "force: \"hammer\"",
         r#"hits: (reject: [(hit: 2, because: "slipped")]), force: "hammer""#,
     );
-    let outcome = attempt(folder.path(), &sheet(&format!("Hits{source}"), WEIGHED)).unwrap();
+    let outcome = folder
+        .run(&sheet(&format!("Hits{source}"), WEIGHED))
+        .unwrap();
     assert_eq!(
         outcome.verdict,
         Verdict::NotAllowed {
@@ -402,7 +398,7 @@ fn too_few_hits_are_no_mobility() {
 #[test]
 fn a_computed_mass_has_its_mobility_and_its_impulse_response() {
     let text = r#"Mobility(title: "computed", source: Computed(body: RigidMass("2 kg"), up_to: "10 kHz", lines: 1000))"#;
-    let outcome = attempt(Path::new("."), text).unwrap();
+    let outcome = outcome_of(Path::new("."), text).unwrap();
     for (line, f) in lines(&outcome)
         .iter()
         .zip(column(&outcome, "mobility", "frequency"))
@@ -419,15 +415,14 @@ fn a_computed_mass_has_its_mobility_and_its_impulse_response() {
 
 #[test]
 fn what_cannot_be_is_refused_where_it_stands() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     strike(folder.path(), "hit", BODY, Hammer { hits: 2, ..HAMMER });
-    fs::write(
-        folder.path().join("odd.csv"),
+    folder.write(
+        "odd.csv",
         "frequency [Hz],response [m/s],other\n10,1,2\n20,1,2\n30,1,2\n",
-    )
-    .unwrap();
+    );
     let refused = |source: &str, rest: &str| {
-        let error = attempt(folder.path(), &sheet(source, rest)).unwrap_err();
+        let error = folder.run(&sheet(source, rest)).unwrap_err();
         error.to_string()
     };
     let good = hits("hit*.csv");

@@ -16,12 +16,9 @@ use std::fs;
 use num_complex::Complex64;
 use rodlab::Outcome;
 use rodlab::outcome::{Cells, Verdict};
-use tempfile::TempDir;
 use virtual_rod::{RATE_HZ, SAMPLES};
 
-use crate::runs::{
-    Words, answered, column as numbers, doubts, json, outcome_of as run, quantity, table,
-};
+use crate::runs::{Folder, Words, answered, column as numbers, doubts, json, quantity, table};
 
 /// A sheet for the rod of paper A, with all hits in one long recording.
 fn sheet(method: &str, rest: &str) -> String {
@@ -134,7 +131,7 @@ fn check_causal(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, 
 
 #[test]
 fn the_template_is_a_sheet_that_runs() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 6, 2);
     // the records are one long file, from sensors of 0.5 mV/g
     let template = include_str!("../templates/modulus.ron")
@@ -157,9 +154,9 @@ fn the_template_is_a_sheet_that_runs() {
     // commented fields of the template are valid, too; its Poisson's ratio is not that of the
     // one-dimensional rig, which a causal estimate detects
     let causal = template.replace("    // causal: true", "    causal: true");
-    answered(run(folder.path(), &causal));
+    answered(folder.run(&causal));
     let with_inertia = causal.replace("    // lateral_inertia: (", "    lateral_inertia: (");
-    let outcome = run(folder.path(), &with_inertia).unwrap();
+    let outcome = folder.run(&with_inertia).unwrap();
     let reasons = doubts(&outcome);
     reasons[0].must_say("contradict every relaxing material");
     let optional = template
@@ -177,6 +174,6 @@ fn the_template_is_a_sheet_that_runs() {
             "    ),\n\n    // Temperatures",
         )
         .replace("    // report_at", "    report_at");
-    let outcome = answered(run(folder.path(), &optional));
+    let outcome = answered(folder.run(&optional));
     assert_eq!(table(&outcome, "laws").columns[0].cells.len(), 3);
 }

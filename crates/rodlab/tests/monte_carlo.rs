@@ -1,13 +1,10 @@
 //! Standard errors compared with draws of the whole job: the two methods share the solvers, but not
 //! the propagation of errors.
 
-use std::fs;
-
 use rodlab::outcome::{Cells, Table};
 use rodlab::{Outcome, RodlabError};
-use tempfile::TempDir;
 
-use crate::runs::{Refused, Words, column, copy_example, outcome_of, table};
+use crate::runs::{Folder, Refused, Words, column, copy_example, table};
 
 /// Outcome of the sheet of an example with `draws` of a Monte Carlo calculation, after `change`.
 fn drawn(
@@ -16,9 +13,9 @@ fn drawn(
     draws: usize,
     change: impl Fn(&str) -> String,
 ) -> Result<Outcome, RodlabError> {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     copy_example(name, folder.path());
-    let text = change(&fs::read_to_string(folder.path().join(sheet)).unwrap());
+    let text = change(&folder.read(sheet));
     let (all, _) = text.trim_end().rsplit_once(')').unwrap();
     let separator = if all.trim_end().ends_with(',') {
         ""
@@ -26,7 +23,7 @@ fn drawn(
         ","
     };
     let text = format!("{all}{separator}\n    monte_carlo: {draws},\n)\n");
-    outcome_of(folder.path(), &text)
+    folder.run(&text)
 }
 
 fn verdicts(table: &Table) -> Vec<bool> {

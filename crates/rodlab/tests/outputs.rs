@@ -10,7 +10,7 @@ use rodlab::{Outcome, RodlabError};
 use serde_json::Value;
 
 use crate::rich;
-use crate::runs::{Refused, Words};
+use crate::runs::{Folder, Refused, Words};
 
 fn write(outcome: &Outcome, folder: &Path) -> Result<Vec<PathBuf>, RodlabError> {
     output::write(outcome, &rich::sheet(), folder, &[])
@@ -22,7 +22,7 @@ fn refused(outcome: &Outcome, folder: &Path) -> String {
 
 #[test]
 fn every_part_has_its_file_and_the_result_is_the_last() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let files = write(&rich::outcome(), folder.path()).unwrap();
     let names: Vec<&str> = files
         .iter()
@@ -45,12 +45,12 @@ fn every_part_has_its_file_and_the_result_is_the_last() {
 
 #[test]
 fn a_result_that_cannot_be_put_there_leaves_the_earlier_one_whole() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let files = write(&rich::outcome(), folder.path()).unwrap();
     let mut outcome = rich::outcome();
     // a folder has the name of a file to be written
     outcome.attachments[0].name = "in the way".into();
-    fs::create_dir(folder.path().join("in the way")).unwrap();
+    fs::create_dir(folder.file("in the way")).unwrap();
     let error = refused(&outcome, folder.path());
     error.must_begin("cannot write ");
     error.must_say("in the way: it exists");
@@ -59,17 +59,13 @@ fn a_result_that_cannot_be_put_there_leaves_the_earlier_one_whole() {
 
 #[test]
 fn what_a_run_before_has_left_goes_and_nothing_else() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write(&rich::outcome(), folder.path()).unwrap();
-    fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+    folder.write("notes.txt", "mine");
     // left-over files of an interrupted run
-    fs::write(folder.path().join(".rodlab-part-4711"), "half").unwrap();
-    fs::write(
-        folder.path().join(".rodlab-lock"),
-        "process       4711\n\nhalf done.csv\n",
-    )
-    .unwrap();
-    fs::write(folder.path().join("half done.csv"), "1\n").unwrap();
+    folder.write(".rodlab-part-4711", "half");
+    folder.write(".rodlab-lock", "process       4711\n\nhalf done.csv\n");
+    folder.write("half done.csv", "1\n");
     let mut outcome = rich::outcome();
     outcome.attachments.clear();
     let files = write(&outcome, folder.path()).unwrap();
@@ -79,15 +75,15 @@ fn what_a_run_before_has_left_goes_and_nothing_else() {
         .collect();
     there.sort();
     let mut expected = files;
-    expected.push(folder.path().join("notes.txt"));
+    expected.push(folder.file("notes.txt"));
     expected.sort();
     assert_eq!(there, expected);
 }
 
 #[test]
 fn a_file_of_somebody_else_is_not_replaced() {
-    let folder = tempfile::tempdir().unwrap();
-    let page = folder.path().join(output::REPORT);
+    let folder = Folder::new();
+    let page = folder.file(output::REPORT);
     fs::write(&page, "a page of mine").unwrap();
     let error = refused(&rich::outcome(), folder.path());
     assert!(
@@ -114,20 +110,20 @@ fn r19_a_result_of_another_program_opens_no_folder() {
         format!("{listing}}}"),
         format!("{listing}, \"software\": \"other 0.1.0\"}}"),
     ] {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = Folder::new();
         let names = ["result.json", "report.html", "hits.npy", "modulus.ron"];
         let contents = |name: &str| match name {
             "result.json" => result.clone(),
             name => format!("{name} of a laboratory"),
         };
         for name in names {
-            fs::write(folder.path().join(name), contents(name)).unwrap();
+            folder.write(name, contents(name));
         }
         let error = refused(&rich::outcome(), folder.path());
         error.must_say("no earlier result lists it");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), names.len());
         for name in names {
-            let there = fs::read_to_string(folder.path().join(name)).unwrap();
+            let there = folder.read(name);
             assert_eq!(there, contents(name), "{name}");
         }
     }
@@ -138,7 +134,7 @@ fn r21_columns_that_differ_in_length_are_refused() {
     let mut outcome = rich::outcome();
     let column = rodlab::outcome::Column::numbers("one row", "", vec![1.0]);
     outcome.tables[0].columns.push(column);
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let error = refused(&outcome, folder.path());
     error.must_say("`one row` has 1 rows, expected ");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -147,21 +143,21 @@ fn r21_columns_that_differ_in_length_are_refused() {
 #[cfg(unix)]
 #[test]
 fn r19_a_link_to_a_result_opens_no_folder() {
-    let other = tempfile::tempdir().unwrap();
+    let other = Folder::new();
     write(&rich::outcome(), other.path()).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let result = other.path().join(output::RESULT);
-    std::os::unix::fs::symlink(result, folder.path().join(output::RESULT)).unwrap();
-    fs::write(folder.path().join("modulus.csv"), "measured").unwrap();
+    let folder = Folder::new();
+    let result = other.file(output::RESULT);
+    std::os::unix::fs::symlink(result, folder.file(output::RESULT)).unwrap();
+    folder.write("modulus.csv", "measured");
     let error = write(&rich::outcome(), folder.path()).unwrap_err();
     assert!(matches!(error, RodlabError::Taken { .. }), "{error}");
-    let kept = fs::read_to_string(folder.path().join("modulus.csv")).unwrap();
+    let kept = folder.read("modulus.csv");
     assert_eq!(kept, "measured");
 }
 
 #[test]
 fn no_file_takes_the_place_of_another() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let mut outcome = rich::outcome();
     outcome.figures[0].name = "modulus".into();
     let error = refused(&outcome, folder.path());

@@ -10,7 +10,7 @@ use labio::format::{self, uff58::Uff58Writer};
 use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesAxis, SeriesKind, Unit};
 use rodlab::records::{Loaded, Records};
 
-use crate::runs::{Words, without_formats, write_npy};
+use crate::runs::{Folder, Words, without_formats, write_npy};
 
 fn records(text: &str) -> Records {
     use ron::extensions::Extensions;
@@ -58,7 +58,7 @@ pub(crate) fn series(name: &str, unit: &str, step: f64, values: &[f64]) -> Serie
 
 #[test]
 fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (name, scale) in [("b.npy", 2.0), ("a.npy", 1.0)] {
         write_npy(
             &folder.path().join(name),
@@ -99,9 +99,9 @@ fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
 
 #[test]
 fn what_an_array_does_not_tell_is_asked_for() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_npy(
-        &folder.path().join("hit.npy"),
+        &folder.file("hit.npy"),
         &[&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.5, f64::NAN, 0.0]],
     );
     let said = refusals(
@@ -137,9 +137,9 @@ fn what_an_array_does_not_tell_is_asked_for() {
 
 #[test]
 fn a_hit_with_a_lost_sample_is_left_out_and_said_so() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (name, sample) in [("a.npy", 0.5), ("b.npy", f64::INFINITY), ("c.npy", 0.25)] {
-        let path = folder.path().join(name);
+        let path = folder.file(name);
         write_npy(&path, &[&[0.0, 1.0, 2.0], &[0.0, sample, 0.0]]);
     }
     let sheet = r#"(files: ["*.npy"], sampling_rate: "1 kHz", channels: [
@@ -157,12 +157,8 @@ fn a_hit_with_a_lost_sample_is_left_out_and_said_so() {
 
 #[test]
 fn a_file_that_is_missing_or_of_no_known_format_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(
-        folder.path().join("notes.bin"),
-        b"\x7fELF\x02\x01 and so on",
-    )
-    .unwrap();
+    let folder = Folder::new();
+    folder.write("notes.bin", b"\x7fELF\x02\x01 and so on");
     let sheet = |files: &str| {
         format!(r#"(files: [{files}], channels: [(name: "hammer", from: 1, unit: "N")])"#)
     };
@@ -188,8 +184,7 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     fs::write(
         folder.path().join("hit.csv"),
         "Time (s),hammer (N),end A (g)\n0,0,0\n0.000977,40,1\n0.001954,10,2\n0.002931,0,1\n",
-    )
-    .unwrap();
+    );
     let loaded = load(
         folder.path(),
         r#"(files: ["hit.csv"], sampling_rate: "1024 Hz", channels: [
@@ -201,11 +196,10 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
     assert!((record.sampling_rate_hz() - 1024.0).abs() < 1e-9);
     assert!((record.channel("a").unwrap()[2] - 2.0).abs() < 1e-15);
     insta::assert_snapshot!(loaded.warnings.join("\n"), @"hit.csv states `end A` in g; the unit of the sheet is used instead, V.");
-    fs::write(
-        folder.path().join("next.csv"),
+    folder.write(
+        "next.csv",
         "Time (s),hammer (N),end A (g)\n0,0,0\n0.000977,41,1\n0.001954,10,2\n0.002931,0,1\n",
-    )
-    .unwrap();
+    );
     let both = r#"(files: ["*.csv"], sampling_rate: "1024 Hz", channels: [(name: "a", from: "end A", unit: "V")])"#;
     let loaded = load(folder.path(), both).unwrap();
     insta::assert_snapshot!(loaded.warnings.join("\n"), @"2 files, the first of them hit.csv, state `end A` in g; the unit of the sheet is used instead, V.");
@@ -232,15 +226,11 @@ fn what_a_file_tells_is_believed_and_contradictions_are_said() {
 /// the sampling rate.
 #[test]
 fn rounded_times_ask_for_the_sampling_rate() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let rows = (0..500_u32).map(|k| format!("{:.4},{}\n", f64::from(k) / 51_200.0, k % 7));
     let text = "Time (s),hammer\n".to_owned() + &rows.collect::<String>();
-    fs::write(folder.path().join("hit.csv"), text).unwrap();
-    fs::write(
-        folder.path().join("unit.csv"),
-        "Time (sek),hammer\n0,0\n0.001,1\n0.002,0\n",
-    )
-    .unwrap();
+    folder.write("hit.csv", text);
+    folder.write("unit.csv", "Time (sek),hammer\n0,0\n0.001,1\n0.002,0\n");
     let sheet = |file: &str, rate: &str| {
         format!(r#"(files: ["{file}"],{rate} channels: [(name: "f", from: 1, unit: "N")])"#)
     };
@@ -257,10 +247,10 @@ fn rounded_times_ask_for_the_sampling_rate() {
 
 #[test]
 fn the_rate_in_a_variable_is_used_and_said() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let text = "# Created by Octave 8.4.0\n# name: fs\n# type: scalar\n51200\n\n\n\
                 # name: hammer\n# type: matrix\n# rows: 4\n# columns: 1\n 0\n 40\n 10\n 0\n";
-    fs::write(folder.path().join("hit.mat"), text).unwrap();
+    folder.write("hit.mat", text);
     let sheet = |rate: &str| {
         format!(r#"(files: ["hit.mat"],{rate} channels: [(name: "f", from: "hammer", unit: "N")])"#)
     };
@@ -275,7 +265,7 @@ fn the_rate_in_a_variable_is_used_and_said() {
 
 #[test]
 fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let hit = |peak: f64| {
         [
             series("hammer", "N", 1e-3, &[0.0, peak, 0.0]),
@@ -286,7 +276,7 @@ fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
     let write = |name: &str, series: Vec<Series>| {
         let mut contents = Contents::of_format("test");
         contents.series = series;
-        format::write(folder.path().join(name), &contents, &Uff58Writer::default()).unwrap();
+        format::write(folder.file(name), &contents, &Uff58Writer::default()).unwrap();
     };
     write("hits.uff", [hit(1.0), hit(2.0), hit(3.0)].concat());
     let sheet = |file: &str, from: &str| {
@@ -312,7 +302,7 @@ fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
         encoding: format::uff58::Encoding::Binary(format::uff58::ByteOrder::LittleEndian),
         ..Uff58Writer::default()
     };
-    format::write(folder.path().join("lost.uff"), &contents, &binary).unwrap();
+    format::write(folder.file("lost.uff"), &contents, &binary).unwrap();
     let mut short = [hit(1.0), hit(2.0)].concat();
     short.remove(1);
     write("short.uff", short);
@@ -333,7 +323,7 @@ fn a_universal_file_holds_many_hits_and_a_lost_channel_does_not_shift_them() {
 
 #[test]
 fn a_name_of_several_points_is_asked_to_be_exact() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let at = |node: &str| {
         let mut one = series("acceleration", "m/s^2", 1e-3, &[0.0, 1.0, 0.5]);
         one.properties = vec![
@@ -344,12 +334,7 @@ fn a_name_of_several_points_is_asked_to_be_exact() {
     };
     let mut contents = Contents::of_format("test");
     contents.series = vec![at("1"), at("2"), at("1"), at("2")];
-    format::write(
-        folder.path().join("h.uff"),
-        &contents,
-        &Uff58Writer::default(),
-    )
-    .unwrap();
+    format::write(folder.file("h.uff"), &contents, &Uff58Writer::default()).unwrap();
     let sheet =
         |from: &str| format!(r#"(files: ["h.uff"], channels: [(name: "a", from: {from})])"#);
     for exact in ["\"acceleration 2+X\"", "2"] {
@@ -362,12 +347,12 @@ fn a_name_of_several_points_is_asked_to_be_exact() {
 /// A table states the names of its columns and its sampling; sheets that contradict it are refused.
 #[test]
 fn names_and_times_of_the_file_contradict_no_sheet() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let rows = |head: &str, step: f64| {
         let rows = (0..40_u32).map(|n| format!("{},{},{}\n", f64::from(n) * step, n % 7, n % 5));
         format!("{head}\n{}", rows.collect::<String>())
     };
-    let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+    let write = |name: &str, text: String| folder.write(name, text);
     write("hit.csv", rows("time,struck,force", 1e-3));
     let sheet = |rate: &str, channels: &str| {
         format!(r#"(files: ["hit.csv"], sampling_rate: "{rate}", channels: [{channels}])"#)

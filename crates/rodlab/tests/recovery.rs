@@ -10,11 +10,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rodlab::outcome::{Cells, Verdict};
 use rodlab::{Outcome, RodlabError};
-use tempfile::TempDir;
 
 use crate::runs::{
-    Refused, Words, answered, doubts, figures_of, is_found, json, outcome_of as run, quantity,
-    refusal,
+    Folder, Refused, Words, answered, doubts, figures_of, is_found, json, outcome_of as run,
+    quantity, refusal,
 };
 
 /// Parameters of polyoximethylene in paper C.
@@ -121,7 +120,7 @@ const PREDICTION: &str = "predictions: [(name: \"Test 6\", load: [Periodic(mean:
 
 #[test]
 fn five_tests_of_the_paper_give_its_parameters_within_their_errors() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let tests = five_tests(folder.path(), 1993);
     let outcome = answered(sheet(folder.path(), &tests, PREDICTION));
 
@@ -168,7 +167,7 @@ fn five_tests_of_the_paper_give_its_parameters_within_their_errors() {
 
 #[test]
 fn one_load_does_not_tell_the_exponent_and_says_what_it_does_tell() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let tests = five_tests(folder.path(), 7);
     let first = tests.lines().next().unwrap();
     let outcome = sheet(folder.path(), first, "").unwrap();
@@ -198,7 +197,7 @@ fn one_load_does_not_tell_the_exponent_and_says_what_it_does_tell() {
 
 #[test]
 fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let tests = five_tests(folder.path(), 3).replace(
         "readings: File(path: \"test_5.csv\", readings: \"tan delta\", standard_errors: \"error\")",
         "readings: File(path: \"test_5.csv\", readings: \"tan delta\")",
@@ -209,10 +208,10 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
              standard_error: \"0.0004\", tests: [{tests}], {scale})"
         )
     };
-    let stated = run(folder.path(), &text("")).unwrap();
+    let stated = folder.run(&text("")).unwrap();
     let reasons = doubts(&stated);
     reasons[0].must_begin("the readings scatter more about the model");
-    let by_scatter = answered(run(folder.path(), &text("error_scale: FromResidual")));
+    let by_scatter = answered(folder.run(&text("error_scale: FromResidual")));
     let error = |outcome: &Outcome| {
         let m = outcome.quantities.iter().find(|q| q.name == "exponent (m)");
         m.unwrap().standard_error.unwrap()
@@ -226,7 +225,7 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
 /// The duration of one load is wrong: each test alone can be fitted, but no model fits all tests.
 #[test]
 fn tests_that_contradict_each_other_put_a_model_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let tests = five_tests(folder.path(), 7);
     let wrong = tests.replace("duration: \"300 s\"", "duration: \"1800 s\"");
     assert_ne!(tests, wrong);
@@ -243,18 +242,10 @@ fn tests_that_contradict_each_other_put_a_model_in_doubt() {
 
 #[test]
 fn what_is_wrong_is_said() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let load = "load: [Constant(stress: \"45 MPa\", duration: \"30 min\")]";
-    fs::write(
-        folder.path().join("bare.csv"),
-        "a,b\n1,0.03\n2,0.04\n4,0.02\n",
-    )
-    .unwrap();
-    fs::write(
-        folder.path().join("times.csv"),
-        "Time [s],tan delta\n1,0.03\n2,0.04\n4,0.02\n",
-    )
-    .unwrap();
+    folder.write("bare.csv", "a,b\n1,0.03\n2,0.04\n4,0.02\n");
+    folder.write("times.csv", "Time [s],tan delta\n1,0.03\n2,0.04\n4,0.02\n");
     let head = "Recovery(title: \"POM\", series_modulus: \"3.1 GPa\", frequency: \"10 kHz\", ";
     let changes = |readings: &str| {
         format!(
@@ -283,7 +274,7 @@ fn what_is_wrong_is_said() {
     let messages: Vec<String> = sheets
         .iter()
         .map(|text| {
-            let message = run(folder.path(), text).refused();
+            let message = folder.run(text).refused();
             message.replace(&folder.path().display().to_string(), "FOLDER")
         })
         .collect();
@@ -296,24 +287,21 @@ fn what_is_wrong_is_said() {
     tests[0].readings.readings (bare.csv) is `a`, a column over `index`, without a unit, expected a column over times, with a unit
     tests[0].readings.readings (times.csv) is `tan d`, expected one of the columns `tan delta`
     paper_procedure.reference is `b`, expected one of the tests `a`
-    FOLDER/test.ron:1:117: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension of a length (m), expected a stress, such as "45 MPa" or "0 MPa"
+    test.ron:1:117: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension of a length (m), expected a stress, such as "45 MPa" or "0 MPa"
     "#);
 }
 
 #[test]
 fn the_template_is_a_sheet_that_runs() {
-    let folder = TempDir::new().unwrap();
-    answered(run(
-        folder.path(),
-        include_str!("../templates/recovery.ron"),
-    ));
+    let folder = Folder::new();
+    answered(folder.run(include_str!("../templates/recovery.ron")));
 }
 
 /// Readings in the reverse order of their times describe no recovery: nothing that was fitted to
 /// them is valid.
 #[test]
 fn readings_in_the_wrong_order_leave_no_valid_number() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let mut tests = String::new();
     for (name, stress, duration) in &LOADS[..3] {
         let mut values = changes(march(0.0, |_| *stress, *duration, 5000));
@@ -341,10 +329,10 @@ fn readings_in_the_wrong_order_leave_no_valid_number() {
 
 #[test]
 fn loss_factors_in_per_cent_are_told() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let text = r#"Recovery(title: "x", series_modulus: "3.1 GPa", frequency: "10 kHz", virgin_loss_factor: "2.5", standard_error: "0.04",
         tests: [(name: "a", load: [Constant(stress: "45 MPa", duration: "30 min")],
         readings: Here([(at: "1 min", value: 4.35), (at: "10 min", value: 3.13), (at: "60 min", value: 2.63)]))])"#;
-    let said = run(folder.path(), text).unwrap().warnings.join("\n");
+    let said = folder.run(text).unwrap().warnings.join("\n");
     said.must_say("The largest loss factor of the sheet is 4.35");
 }

@@ -12,7 +12,7 @@ use std::{env, fs};
 
 use serde_json::Value;
 
-use crate::runs::Words;
+use crate::runs::{Folder, Words};
 
 /// Script that records errors from the first line of the page on.
 const EARS: &str = include_str!("report_in_browser/ears.js");
@@ -37,7 +37,7 @@ fn browser() -> Option<PathBuf> {
 
 /// Opens the page in a window of `width`, light or dark, and returns the records of its scripts.
 fn visit(browser: &PathBuf, width: u32, dark: bool) -> Value {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let folder_kept = env::var_os("RODLAB_KEEP").map(PathBuf::from);
     let folder = folder_kept.as_deref().unwrap_or(folder.path());
     rodlab::output::write(&rich::outcome(), &rich::sheet(), folder, &[]).unwrap();
@@ -54,7 +54,7 @@ fn visit(browser: &PathBuf, width: u32, dark: bool) -> Value {
     );
     let framed = folder.join("frame.html");
     fs::write(&framed, frame).unwrap();
-    let profile = tempfile::tempdir().unwrap();
+    let profile = Folder::new();
     let output = Command::new(browser)
         .args([
             "--headless",

@@ -1,7 +1,7 @@
 //! Runs of sheets and of the program, and access to their results.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
@@ -9,13 +9,76 @@ use rodlab::job::{self, Sheet, Silent, parse};
 use rodlab::outcome::{Cells, Quantity, Table, Verdict};
 use rodlab::output::{SheetIdentity, json_of};
 use rodlab::{Outcome, RodlabError};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder of a test, which is removed with it.
+pub(crate) struct Folder(TempDir);
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        Self(TempDir::new().unwrap())
+    }
+
+    /// A folder with the files of an example that are next to its sheet.
+    pub(crate) fn of_example(name: &str) -> Self {
+        let folder = Self::new();
+        copy_example(name, folder.path());
+        folder
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub(crate) fn file(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.path().join(name)
+    }
+
+    pub(crate) fn has(&self, name: impl AsRef<Path>) -> bool {
+        self.file(name).exists()
+    }
+
+    pub(crate) fn write(&self, name: impl AsRef<Path>, contents: impl AsRef<[u8]>) {
+        fs::write(self.file(name), contents).unwrap();
+    }
+
+    pub(crate) fn read(&self, name: impl AsRef<Path>) -> String {
+        fs::read_to_string(self.file(name)).unwrap()
+    }
+
+    pub(crate) fn bytes(&self, name: impl AsRef<Path>) -> Vec<u8> {
+        fs::read(self.file(name)).unwrap()
+    }
+
+    pub(crate) fn json(&self, name: impl AsRef<Path>) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// The outcome of a sheet in the folder.
+    pub(crate) fn run(&self, text: &str) -> Result<Outcome, RodlabError> {
+        outcome_of(self.path(), text)
+    }
+
+    /// The program, with arguments that have no spaces.
+    pub(crate) fn rodlab(&self, call: &str) -> Output {
+        rodlab(self.path(), &call.split(' ').collect::<Vec<_>>())
+    }
+
+    /// What the program prints. Fails unless it ends with the status 0.
+    #[track_caller]
+    pub(crate) fn done(&self, call: &str) -> String {
+        let run = self.rodlab(call);
+        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        text(&run.stdout)
+    }
+}
 
 /// The outcome of a sheet whose files are in `folder`.
 pub(crate) fn outcome_of(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("test.ron");
     let sheet = Sheet {
-        job: parse(&path, text)?,
-        path,
+        job: parse(Path::new("test.ron"), text)?,
+        path: folder.join("test.ron"),
         text: text.to_owned(),
     };
     job::run(&sheet, &Silent, &AtomicBool::new(false))

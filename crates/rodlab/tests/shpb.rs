@@ -12,11 +12,11 @@ use rodlab::Outcome;
 use rodlab::outcome::Cells;
 use rodwave::inelastic::MaxwellNorton;
 use rodwave::line::Segment;
-use tempfile::TempDir;
 use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 
 use crate::runs::{
-    Refused, Words, answered, column, estimate, outcome_of as run, quantity, table, write_columns,
+    Folder, Refused, Words, answered, column, estimate, outcome_of as run, quantity, table,
+    write_columns,
 };
 
 const RATE: f64 = 1e6;
@@ -65,10 +65,10 @@ fn template() -> String {
 
 #[test]
 fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = shot(&rig());
     write(folder.path(), &recorded(&truth));
-    let outcome = answered(run(folder.path(), &template()));
+    let outcome = answered(folder.run(&template()));
     let time = column(&outcome, "stress_strain", "time");
     let area = 0.25 * std::f64::consts::PI * 0.014_f64.powi(2);
     let exact_strain = truth.strain(0.006);
@@ -118,10 +118,10 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
 /// are refused.
 #[test]
 fn hopkinson_draws_stand_beside_linear_errors() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     write(folder.path(), &recorded(&shot(&rig())));
     let with = |n: &str| template().replace("// monte_carlo: 1000,", &format!("monte_carlo: {n},"));
-    let outcome = answered(run(folder.path(), &with("300")));
+    let outcome = answered(folder.run(&with("300")));
     for name in ["stress", "strain"] {
         let name = format!("check: standard error of the {name} by draws over the linear one");
         let found = quantity(&outcome, &name);
@@ -129,7 +129,7 @@ fn hopkinson_draws_stand_beside_linear_errors() {
         // 7 %; the limit is three times both
         assert!((found.value.unwrap() - 1.0).abs() < 0.24, "{found:?}");
     }
-    let refused = run(folder.path(), &with("3")).refused();
+    let refused = folder.run(&with("3")).refused();
     refused.must_say("number of draws");
 }
 
@@ -137,7 +137,7 @@ fn hopkinson_draws_stand_beside_linear_errors() {
 /// detected.
 #[test]
 fn hopkinson_mean_of_three_shots() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = shot(&rig());
     let softer = MaxwellNorton::from_reference_rate(4.0, 300.0, 23e6).unwrap();
     let area = 0.25 * std::f64::consts::PI * 0.014_f64.powi(2);
@@ -153,11 +153,7 @@ fn hopkinson_mean_of_three_shots() {
     ] {
         let [mut first, mut second] = truth.recorded(RATE, &exact_recorder(), seed);
         write(folder.path(), &[first.remove(0), second.remove(0)]);
-        fs::rename(
-            folder.path().join("shot.csv"),
-            folder.path().join(format!("{name}.csv")),
-        )
-        .unwrap();
+        fs::rename(folder.file("shot.csv"), folder.file(format!("{name}.csv"))).unwrap();
     }
     let text = template();
     let from = text.find("    records: [(").unwrap();
@@ -176,7 +172,7 @@ fn hopkinson_mean_of_three_shots() {
             ),
         )
     };
-    let outcome = answered(run(folder.path(), &with(["2", "3"], "")));
+    let outcome = answered(folder.run(&with(["2", "3"], "")));
     assert!(
         outcome.summary[1].ends_with("no difference between the specimens is seen."),
         "{:?}",
@@ -201,20 +197,20 @@ fn hopkinson_mean_of_three_shots() {
     }
     // apart from noise the sheet is right, and it states common errors
     assert_eq!(outside, 0);
-    let outcome = run(folder.path(), &with(["2", "4"], "")).unwrap();
+    let outcome = folder.run(&with(["2", "4"], "")).unwrap();
     assert!(
         outcome.summary[1].ends_with("the specimens differ."),
         "{:?}",
         outcome.summary
     );
     let wide = ", specimen: (length: \"6 mm\", diameter: \"14.2 mm ± 0.02 mm\")";
-    let outcome = run(folder.path(), &with(["2", "3"], wide)).unwrap();
+    let outcome = folder.run(&with(["2", "3"], wide)).unwrap();
     assert!(
         outcome.summary[1].ends_with("the specimens differ."),
         "{:?}",
         outcome.summary
     );
-    let missing = run(folder.path(), &with(["2", "5"], "")).refused();
+    let missing = folder.run(&with(["2", "5"], "")).refused();
     missing.must_say("`5.csv`");
 }
 
@@ -222,10 +218,10 @@ fn hopkinson_mean_of_three_shots() {
 /// one gauge.
 #[test]
 fn hopkinson_bending_cancels_between_opposite_gauges() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let records = recorded(&shot(&rig()));
     write(folder.path(), &records);
-    let single = run(folder.path(), &template()).unwrap();
+    let single = folder.run(&template()).unwrap();
     let bend = |at: usize| 4e-4 * (at as f64 / 70.0).sin();
     let mut text = template();
     let mut files = String::new();
@@ -243,11 +239,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
                 )
             });
             let volts: Vec<String> = volts.collect();
-            fs::write(
-                folder.path().join(format!("{bar}-{side}.csv")),
-                volts.join("\n"),
-            )
-            .unwrap();
+            folder.write(format!("{bar}-{side}.csv"), volts.join("\n"));
             files += &format!(
                 r#"(files: ["{bar}-{side}.csv"], sampling_rate: "1 MHz", channels: [(name: "{bar} {side}", from: 1, unit: "V",
                 bridge: (layout: HalfBending, gauge_factor: "2.1 ± 0.5 %", excitation: "10 V"), gain: "100")]),"#
@@ -259,7 +251,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
         text.find("// Before any pulse").unwrap(),
     );
     text.replace_range(from..to, &format!("records: [{files}],\n"));
-    let both = answered(run(folder.path(), &text));
+    let both = answered(folder.run(&text));
     for name in ["stress", "strain"] {
         let of = |outcome| column(outcome, "stress_strain", name).to_vec();
         let largest = of(&single).iter().fold(0.0_f64, |most, x| most.max(*x));
@@ -286,7 +278,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
 /// `impulse`.
 #[test]
 fn hopkinson_mistakes_are_named() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = shot(&rig());
     let right = recorded(&truth);
     let [first, second] = right.clone();
@@ -295,7 +287,7 @@ fn hopkinson_mistakes_are_named() {
         |values: &[f64], factor: f64| values.iter().map(|x| factor * x).collect::<Vec<_>>();
     let standing = |records: &[Vec<f64>; 2], text: &str| {
         write(folder.path(), records);
-        match run(folder.path(), text) {
+        match folder.run(text) {
             Ok(outcome) => (
                 outcome.verdict.standing().exit_status(),
                 outcome.verdict.headline(&outcome.summary),
@@ -407,14 +399,14 @@ fn between_nylon(title: &str, incident: &str, transmitted: &str) -> String {
 /// A virtual shot with a striker, evaluated by the sheet that the plan writes.
 #[test]
 fn hopkinson_virtual_shot_comes_back() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let plan = between_nylon(
         "Polymer between nylon bars",
         r#"["900 mm"]"#,
         r#"["400 mm"]"#,
     );
     let (made, sheet) = made_by(folder.path(), &plan);
-    let found = answered(run(folder.path(), &sheet));
+    let found = answered(folder.run(&sheet));
     let truth = |name: &str| column(&made, "true-stress-strain", name);
     let ours = |name: &str| column(&found, "stress_strain", name);
     for name in ["stress", "strain"] {
@@ -449,7 +441,7 @@ fn hopkinson_virtual_shot_comes_back() {
         (plan.replace("[\"900 mm\"]", "[\"1900 mm\"]"), "less than the length of the bar"),
         (plan.replace("[\"900 mm\"]", "[]"), "0 gauges, expected one or two"),
     ] {
-        let said = run(folder.path(), &wrong).refused();
+        let said = folder.run(&wrong).refused();
         said.must_say(words);
     }
 }
@@ -472,7 +464,7 @@ fn delayed(text: &str, column: usize, by: usize) -> String {
 /// the sheet does not state: before any wave returns, its gauge contradicts the other gauge.
 #[test]
 fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let plan = between_nylon(
         "Polymer between nylon bars with two gauges each",
         r#"["1100 mm", "500 mm"]"#,
@@ -484,12 +476,12 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
         assert!(sheet.contains(&exact), "{sheet}");
         sheet = sheet.replace(&exact, &known);
     }
-    answered(run(folder.path(), &sheet));
-    let shot = folder.path().join("shot-1.csv");
+    answered(folder.run(&sheet));
+    let shot = folder.file("shot-1.csv");
     let record = fs::read_to_string(&shot).unwrap();
     for (side, column, by) in [("incident", 2, 4), ("transmitted", 4, 3)] {
         fs::write(&shot, delayed(&record, column, by)).unwrap();
-        let found = run(folder.path(), &sheet).unwrap();
+        let found = folder.run(&sheet).unwrap();
         let said = found.verdict.headline(&found.summary);
         assert_eq!(found.verdict.standing().exit_status(), 3, "{side}: {said}");
         let words = format!("gauge 2 of the {side} bar records the waves ");
@@ -505,7 +497,7 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
 /// there the forces are uncertain because of a position known to 1 mm.
 #[test]
 fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let plan = r#"Simulate(
     title: "Polymer between steel bars",
     materials: {"steel": (density: "7800 kg/m3", law: Elastic(modulus: "206 GPa"))},
@@ -521,7 +513,7 @@ fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
     let sheet = sheet
         .replace("at: \"900 mm\"", "at: \"900 mm ± 1 mm\"")
         .replace("at: \"400 mm\"", "at: \"400 mm ± 1 mm\"");
-    let found = answered(run(folder.path(), &sheet));
+    let found = answered(folder.run(&sheet));
     let (stress, error) = estimate(&found, "largest stress in equilibrium");
     let (strain, _) = estimate(&found, "strain at the largest stress in equilibrium");
     let (peak, peak_error) = estimate(&found, "largest stress");

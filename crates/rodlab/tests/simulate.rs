@@ -7,10 +7,9 @@ use labio::{Ordinate, Series};
 use num_complex::Complex64;
 use rodlab::outcome::{Outcome, Verdict};
 use rodlab::output;
-use tempfile::TempDir;
 
 use crate::runs::{
-    Refused, Words, answered, column, figures_of, is_found, outcome_of as attempt, quantity, words,
+    Folder, Refused, Words, answered, column, figures_of, is_found, outcome_of, quantity, words,
 };
 
 const POLYPROPYLENE: &str = r#"materials: {
@@ -46,7 +45,7 @@ fn sheet(parts: &[&str]) -> String {
 }
 
 fn refused(text: &str) -> String {
-    attempt(Path::new("."), text).refused()
+    outcome_of(Path::new("."), text).refused()
 }
 
 /// Writes the files of a virtual test and runs the sheet `name` among them.
@@ -60,7 +59,7 @@ fn evaluated(
         output::write_whole(&folder.join(&file.name), &file.bytes).unwrap();
     }
     let text = change(fs::read_to_string(folder.join(name)).unwrap());
-    attempt(folder, &text).unwrap_or_else(|error| unreachable!("{error}\n{text}"))
+    outcome_of(folder, &text).unwrap_or_else(|error| unreachable!("{error}\n{text}"))
 }
 
 /// The sheet that the plan has written, with further `fields`.
@@ -137,7 +136,7 @@ fn both_ends_give_the_modulus_that_was_put_in() {
         ("", 3),
         (r#"anti_alias: Butterworth(order: 8, cutoff: "22 kHz"),"#, 4),
     ] {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         let instrument = INSTRUMENT.replace("noise:", &format!("{anti_alias} noise:"));
         let text = sheet(&[
             POLYPROPYLENE,
@@ -145,7 +144,7 @@ fn both_ends_give_the_modulus_that_was_put_in() {
             &instrument,
             &format!("seed: {seed}"),
         ]);
-        let made = answered(attempt(folder.path(), &text));
+        let made = answered(folder.run(&text));
         assert_eq!(made.warnings, Vec::<String>::new());
         assert_eq!(figures_of(&made), "histories, spectra");
         let names: Vec<&str> = made.attachments.iter().map(|f| f.name.as_str()).collect();
@@ -178,7 +177,7 @@ fn both_ends_give_the_modulus_that_was_put_in() {
 
 #[test]
 fn gauges_of_a_frame_member_give_the_modulus() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let frame = |support: &str| {
         format!(
             r#"experiment: StrainsInFrame(
@@ -191,7 +190,7 @@ fn gauges_of_a_frame_member_give_the_modulus() {
     let instrument = INSTRUMENT.replace("31.25 ms", "62.5 ms");
     let of = |support: &str| {
         let text = sheet(&[POLYPROPYLENE, &frame(support), &instrument]);
-        attempt(folder.path(), &text).unwrap()
+        folder.run(&text).unwrap()
     };
     let made = of(r#"mass: "15 gram""#);
     assert_eq!(made.warnings, Vec::<String>::new());
@@ -207,12 +206,14 @@ fn gauges_of_a_frame_member_give_the_modulus() {
 
 #[test]
 fn a_hammer_gives_the_mobility_of_a_free_rod() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let body = r#"experiment: HammerOnBody(
         body: Chain(elements: [Rod(material: "polypropylene", diameter: "30 mm", length: "200 mm")]),
         blows: (hits: 10, peak: "200 N", duration: "150 us"),
     ), output: "hits.uff","#;
-    let made = attempt(folder.path(), &sheet(&[POLYPROPYLENE, body, INSTRUMENT])).unwrap();
+    let made = folder
+        .run(&sheet(&[POLYPROPYLENE, body, INSTRUMENT]))
+        .unwrap();
     let area = 0.25 * std::f64::consts::PI * 0.03_f64.powi(2);
     let mass = &made.quantities[0];
     assert_eq!(mass.name, "mass of the free body");
@@ -247,14 +248,14 @@ fn a_hammer_gives_the_mobility_of_a_free_rod() {
 
 #[test]
 fn loads_give_the_dashpot_that_was_put_in() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let creep = r#"experiment: CreepRecovery(
         series_modulus: "3.1 GPa", parallel_modulus: "13.1 kPa", exponent: "1.8", coefficient: 4.55e-21,
         virgin_loss_factor: "0.025", frequency: "10 kHz", error: "0.0002",
         loads: [(stress: "45 MPa", duration: "30 min"), (stress: "19 MPa", duration: "30 min")],
         read_at: ["0.5 min", "1 min", "2 min", "5 min", "10 min", "30 min", "60 min"],
     ),"#;
-    let made = attempt(folder.path(), &sheet(&[creep])).unwrap();
+    let made = folder.run(&sheet(&[creep])).unwrap();
     let found = evaluated(&made, folder.path(), "recovery.ron", |text| text);
     assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.summary);
     for (name, truth) in [("parallel modulus (E2)", 13.1e3), ("exponent (m)", 1.8)] {
@@ -267,12 +268,12 @@ fn a_projectile_gives_the_law_that_was_put_in() {
     let quick =
         |text: String| with_fields(&text, "laws: [Maxwell], compare: false, profiles: false");
     for sensors in ["", r#"sensors: Displacement(range: "20 mm"),"#] {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         let noise = if sensors.is_empty() { "0.5 %" } else { "1 um" };
         let text = PROJECTILE
             .replace("velocities:", &format!("{sensors} velocities:"))
             .replace("0.5 %", noise);
-        let made = attempt(folder.path(), &sheet(&[&text])).unwrap();
+        let made = folder.run(&sheet(&[&text])).unwrap();
         let lost = column(&made, "balances", "relative loss of momentum");
         assert!(lost.iter().all(|lost| lost.abs() < 1e-9), "{lost:?}");
         let before = column(&made, "balances", "energy of the striker before")[0];
@@ -291,8 +292,8 @@ fn a_projectile_gives_the_law_that_was_put_in() {
         // records made by the inverting solver are refused
         let crime =
             |text: String| quick(text).replace("rodwave::lumped", "rodwave::characteristics");
-        let text = crime(fs::read_to_string(folder.path().join("identify.ron")).unwrap());
-        let said = attempt(folder.path(), &text).refused();
+        let text = crime(folder.read("identify.ron"));
+        let said = folder.run(&text).refused();
         said.must_say("the solver that would invert it");
     }
 }
@@ -310,8 +311,8 @@ fn norton_at_two_velocities() -> String {
 /// default: without it E and exponent would be off by many of their errors.
 #[test]
 fn the_recorder_of_the_plan_is_part_of_its_evaluation() {
-    let folder = TempDir::new().unwrap();
-    let made = attempt(folder.path(), &norton_at_two_velocities()).unwrap();
+    let folder = Folder::new();
+    let made = folder.run(&norton_at_two_velocities()).unwrap();
     assert_eq!(made.warnings, Vec::<String>::new());
     let quick = |text: String| {
         text.must_say("recorder: LinearPhase(cutoff: \"16");
@@ -334,8 +335,8 @@ fn the_recorder_of_the_plan_is_part_of_its_evaluation() {
 /// errors within a fifth.
 #[test]
 fn a_planned_test_tells_as_much_as_was_foretold() {
-    let folder = TempDir::new().unwrap();
-    let made = attempt(folder.path(), &norton_at_two_velocities()).unwrap();
+    let folder = Folder::new();
+    let made = folder.run(&norton_at_two_velocities()).unwrap();
     let next = r#"
     next: (
         velocities: ["30 m/s"], repeats: [2], sharpen: "exponent",
@@ -368,9 +369,9 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
 
     let plan = planned.attachments.iter().find(|a| a.name == "next.ron");
     let plan = String::from_utf8(plan.unwrap().bytes.clone()).unwrap();
-    let next_folder = folder.path().join("next");
+    let next_folder = folder.file("next");
     fs::create_dir(&next_folder).unwrap();
-    let next_made = attempt(&next_folder, &plan).unwrap();
+    let next_made = outcome_of(&next_folder, &plan).unwrap();
     for file in &next_made.attachments {
         fs::write(next_folder.join(&file.name), &file.bytes).unwrap();
     }
@@ -420,12 +421,12 @@ fn through_a_recorder(law: &str, velocities: &str) -> String {
 /// Eyring's law, if the sheet names it, is compared with the standard laws and identified.
 #[test]
 fn a_rod_of_eyring_is_found_again() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let text = through_a_recorder(
         r#"law: Eyring(activation_stress: "3 MPa", rate_at_10_mpa: "30 1/s"),"#,
         r#"["3 m/s", "10 m/s"]"#,
     );
-    let made = attempt(folder.path(), &text).unwrap();
+    let made = folder.run(&text).unwrap();
     let found = evaluated(&made, folder.path(), "identify.ron", |text| {
         with_fields(&text, "laws: [Eyring], profiles: false")
     });
@@ -444,12 +445,12 @@ fn a_rod_of_eyring_is_found_again() {
 /// plan.
 #[test]
 fn a_spring_beside_the_law_is_found_again() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let text = through_a_recorder(
         r#"law: Norton(exponent: "2", rate_at_10_mpa: "60 1/s"), spring: "0.5","#,
         r#"["3 m/s", "27 m/s"]"#,
     );
-    let made = attempt(folder.path(), &text).unwrap();
+    let made = folder.run(&text).unwrap();
     let through = |text: String| {
         with_fields(
             &text,
@@ -473,7 +474,7 @@ fn a_spring_beside_the_law_is_found_again() {
 fn the_seed_and_nothing_else_decides() {
     let of = |more: &str| {
         let few = BOTH_ENDS.replace("hits: 10", "hits: 2");
-        attempt(
+        outcome_of(
             Path::new("."),
             &sheet(&[POLYPROPYLENE, &few, INSTRUMENT, more]),
         )
@@ -561,7 +562,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     output is `hits.xlsx`, expected the name of a file in the folder of the result with one of the extensions csv, npy, npz, uff, wav
     experiment: ImpactedRod.velocities is empty, expected at least one velocity
     experiment: ImpactedRod.section_distance is 500 mm, expected at most the length of the rod, 402 mm
-    ./test.ron:3:29: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension of a modulus or stress (m^-1 kg s^-2), expected a viscosity, such as "20 kPa s"
+    test.ron:3:29: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension of a modulus or stress (m^-1 kg s^-2), expected a viscosity, such as "20 kPa s"
     "#);
 }
 
@@ -569,7 +570,7 @@ fn what_is_wrong_with_a_plan_is_said() {
 fn a_converter_that_is_too_small_is_said() {
     let text = sheet(&[POLYPROPYLENE, BOTH_ENDS, INSTRUMENT])
         .replace("bits: 16", r#"bits: 16, full_scale: "90 %""#);
-    let made = attempt(Path::new("."), &text).unwrap();
+    let made = outcome_of(Path::new("."), &text).unwrap();
     made.warnings.must_say("beyond the range of the converter");
     assert!(made.log.iter().any(|entry| !entry.accepted));
 }

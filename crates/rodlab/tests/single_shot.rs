@@ -7,13 +7,11 @@ use std::path::Path;
 use num_complex::Complex64;
 use rodlab::Outcome;
 use rodlab::outcome::Verdict;
-use tempfile::TempDir;
 use testbed::long_bar::LongBar;
 use testbed::ringing_rod::RingingRod;
 
 use crate::runs::{
-    Refused, Words, answered, column as numbers, outcome_of as run, quantity, refusal, words,
-    write_columns,
+    Folder, Refused, Words, answered, column as numbers, quantity, refusal, words, write_columns,
 };
 
 /// Writes the records of the gauges, multiplied by `factor`, as columns of a text table.
@@ -92,14 +90,14 @@ fn covers(outcome: &Outcome, fewest: usize) {
 
 #[test]
 fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     write(
         folder.path(),
         &LongBar::glassy().shot(&[1.0, 1.025], 7),
         1.0,
     );
     let text = sheet(BEFORE_END, STRAINS, SILENT);
-    let strains = answered(run(folder.path(), &text));
+    let strains = answered(folder.run(&text));
     strains
         .summary
         .must_begin("The records end before the rod is at rest");
@@ -121,20 +119,20 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
         r#"unit: "kN""#,
         r#"unit: "kN", sensitivity: "1 kN/kN ± 3 %""#,
     ];
-    let forces = run(folder.path(), &sheet(BEFORE_END, units, SILENT)).unwrap();
+    let forces = folder.run(&sheet(BEFORE_END, units, SILENT)).unwrap();
     let (a, b) = (column(&strains, "E'"), column(&forces, "E'"));
     assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6 * a.abs()));
 
     // a stated window instead of the one chosen for the ringing
     let window = format!("{SILENT} exponential_window: Some(EndWeight(weight: \"0.01 %\")),");
-    let stated = run(folder.path(), &sheet(BEFORE_END, units, &window)).unwrap();
+    let stated = folder.run(&sheet(BEFORE_END, units, &window)).unwrap();
     covers(&stated, 35);
 }
 
 /// An accelerometer on the end, stated as 20 g ± 2 %, which is truly 0.3 g heavier.
 #[test]
 fn a_mass_on_the_end_is_its_condition() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let bar = LongBar {
         end_mass: 0.0203,
         ..LongBar::glassy()
@@ -145,7 +143,7 @@ fn a_mass_on_the_end_is_its_condition() {
         let mass = format!(r#"density: "1190 kg/m3", accelerometer_mass: "{mass}""#);
         text.replace(r#"density: "1190 kg/m3""#, &mass)
     };
-    let stated = run(folder.path(), &with_mass(&free, "20 gram ± 0.4 gram")).unwrap();
+    let stated = folder.run(&with_mass(&free, "20 gram ± 0.4 gram")).unwrap();
     covers(&stated, 35);
     stated.summary.must_say("accelerometer mass (");
     // if the end is assumed free, the modulus is wrong
@@ -161,7 +159,7 @@ fn a_mass_on_the_end_is_its_condition() {
         r#"(channel: "g2", at: "2000 mm"), (channel: "g2", at: "2200 mm")"#,
     );
     let three = with_mass(&sheet(&three, STRAINS, SILENT), "20 gram ± 0.4 gram");
-    let refused = run(folder.path(), &three).refused();
+    let refused = folder.run(&three).refused();
     refused.must_say("accelerometer_mass");
 }
 
@@ -169,7 +167,7 @@ fn a_mass_on_the_end_is_its_condition() {
 /// end.
 #[test]
 fn one_shot_has_its_errors_from_the_silence() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let bar = LongBar {
         pulse: [60e-6, 200e-6, 60e-6],
         gauges: vec![0.5, 1.1],
@@ -178,7 +176,7 @@ fn one_shot_has_its_errors_from_the_silence() {
     write(folder.path(), &bar.shot(&[1.0, 1.0], 3), 1.0);
     let units = [r#"unit: "strain""#, r#"unit: "strain""#];
     let pulses = r#"SeparatePulses(first: (channel: "g1", from: "1.2 ms", to: "2.2 ms"), second: (channel: "g2", from: "1.65 ms", to: "2.65 ms"), distance: "600 mm")"#;
-    let outcome = answered(run(folder.path(), &sheet(pulses, units, SILENT)));
+    let outcome = answered(folder.run(&sheet(pulses, units, SILENT)));
     covers(&outcome, 40);
 
     // without a known silence a single hit gives no information on its errors
@@ -189,9 +187,9 @@ fn one_shot_has_its_errors_from_the_silence() {
 
 #[test]
 fn what_a_bar_cannot_have_is_said() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     write(folder.path(), &LongBar::glassy().shot(&[1.0, 1.0], 7), 1.0);
-    let said = |method: &str, rest: &str| match run(folder.path(), &sheet(method, STRAINS, rest)) {
+    let said = |method: &str, rest: &str| match folder.run(&sheet(method, STRAINS, rest)) {
         Err(error) => error.to_string(),
         Ok(outcome) => panic!("{:?}", outcome.summary),
     };
@@ -230,9 +228,9 @@ fn lines_valid_within_limits_keep_them() {
     );
     let mut parts: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     for seed in 100..120 {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         write(folder.path(), &bar.shot(&[1.0, 0.97], seed), 1.0);
-        let outcome = run(folder.path(), &text).unwrap();
+        let outcome = folder.run(&text).unwrap();
         let words = words(&outcome, "modulus", "validity");
         for line in (0..words.len()).filter(|line| words[*line] == "valid") {
             let s = Complex64::new(0.0, TAU * column(&outcome, "frequency")[line]);
@@ -262,7 +260,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let bar = RingingRod::steel(1e-4);
     // 2 ms of rest before the hit
     let exact = [vec![0.0; 96], bar.ringing(48_000)].concat();
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     write(folder.path(), &[RingingRod::recorded(&exact, 1e-3, 8)], 1.0);
     let with = |from: &str, speed: &str, rest: &str| {
         let text = format!(
@@ -275,7 +273,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     {rest}
 )"#
         );
-        run(folder.path(), &text)
+        folder.run(&text)
     };
     let outcome = answered(with("4 ms", "5000 m/s", ""));
     let frequency = column(&outcome, "frequency");
@@ -351,7 +349,7 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
     let exact = (206e9 / 7800.0_f64).sqrt();
     let (mut counts, mut squares, mut answered) = ([0_usize; 3], 0.0, 0);
     for seed in 0..20 {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         write(folder.path(), &bar.shot(&[1.0, 1.01], seed), 1.0);
         let text = sheet(BEFORE_END, STRAINS, SILENT)
             .replace("1190 kg/m3", "7800 kg/m3")
@@ -360,7 +358,7 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
                 "from: \"2 kHz\", to: \"10 kHz\"",
             )
             .replace("loss_factor: \"100 %\"", "loss_factor: \"100000 %\"");
-        let outcome = run(folder.path(), &text).unwrap();
+        let outcome = folder.run(&text).unwrap();
         let words = words(&outcome, "modulus", "validity");
         answered += usize::from(outcome.verdict == Verdict::Answered);
         let valid = words

@@ -4,8 +4,6 @@
 //! The quantities are found in the texts of the sheets, and the fields that accept an uncertainty
 //! in the source code; there is no list of them here.
 
-use crate::two_masses;
-
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -18,10 +16,9 @@ use rodlab::job::parse;
 use rodlab::outcome::Outcome;
 use rodlab::sheet::Language;
 use rodlab::templates::JobName;
-use tempfile::TempDir;
-use two_masses::{BODY, HAMMER, Hammer, attempt, strike};
 
-use crate::runs::{Refused, Words, write_columns};
+use crate::runs::{Folder, Refused, Words, outcome_of, write_columns};
+use crate::two_masses::{BODY, HAMMER, Hammer, strike};
 
 /// A quoted text in a sheet, with its field.
 struct Quoted {
@@ -177,7 +174,7 @@ impl Walked {
     /// States an uncertainty for each quantity of the sheet, one after the other. Each must change
     /// the numbers of the outcome, or be refused with a message about it.
     fn walk(&mut self, folder: &Path, text: &str, [taking, texts]: [&BTreeSet<String>; 2]) {
-        let before = match attempt(folder, text) {
+        let before = match outcome_of(folder, text) {
             Ok(before) => before,
             Err(error) => return self.wrong.push(format!("{error} in\n{text}")),
         };
@@ -191,7 +188,7 @@ impl Walked {
             }
             self.n_quantities += 1;
             let changed = format!("{}{stated}{}", &text[..place.start], &text[place.end..]);
-            match attempt(folder, &changed) {
+            match outcome_of(folder, &changed) {
                 Err(error) => {
                     let words = error.to_string();
                     let says_why = [
@@ -337,7 +334,7 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         r#"Mobility(title: "two masses", source: Hits({channels}, force: "hammer", response: "face"), support: Free(mass: "1.54 kg"), head_mass: "40 gram",
         up_to: "4 kHz", complete: (below: "100 Hz", fitted_to: "400 Hz"), front_impedance: "1000 kg/s")"#
     );
-    let made = attempt(folder, &mobility).unwrap();
+    let made = outcome_of(folder, &mobility).unwrap();
     fs::write(folder.join("body.uff"), &made.attachments[0].bytes).unwrap();
     let frf = format!(
         r#"Frf(title: "two masses", {channels}, input: "hammer", outputs: ["face"], band: (from: "20 Hz", to: "3 kHz"),
@@ -460,7 +457,7 @@ fn others() -> Vec<(PathBuf, String)> {
 
 #[test]
 fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let mut sheets = moduli_of_hits();
     sheets.extend(modulus_of_a_shot(folder.path()));
     sheets.extend(moduli_of_ratios(folder.path()));

@@ -2,6 +2,7 @@
 //! the output shown on the page.
 #![cfg(unix)]
 
+use crate::runs::Folder;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -76,7 +77,7 @@ fn copy(from: &Path, to: &Path) {
 fn the_tour_can_be_walked() {
     let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = fs::read_to_string(crate_folder.join("../../docs/tour.md")).unwrap();
-    let place = tempfile::tempdir().unwrap();
+    let place = Folder::new();
     copy(&crate_folder.join("examples"), place.path());
     let binaries = Path::new(env!("CARGO_BIN_EXE_rodlab")).parent().unwrap();
     let path = format!("{}:{}", binaries.display(), std::env::var("PATH").unwrap());
@@ -101,7 +102,7 @@ fn the_tour_can_be_walked() {
             .current_dir(&folder)
             .env("PATH", &path)
             .env("NO_COLOR", "1")
-            .env("AT", place.path().join(".at"))
+            .env("AT", place.file(".at"))
             .output()
             .unwrap();
         let output = String::from_utf8(run.stdout).unwrap();
@@ -110,7 +111,7 @@ fn the_tour_can_be_walked() {
             run.status.success() && !output.contains("not found"),
             "{at} says\n{output}"
         );
-        folder = fs::read_to_string(place.path().join(".at")).unwrap().into();
+        folder = place.read(".at").into();
         let mut printed = output.lines();
         for said in &step.said {
             assert!(

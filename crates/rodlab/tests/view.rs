@@ -12,13 +12,12 @@ use std::thread::{self, JoinHandle};
 use rodlab::RodlabError;
 use rodlab::view::View;
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
-use crate::runs::{Words, copy_example};
+use crate::runs::{Folder, Words};
 
 /// A sheet served by `rodlab view` in a thread.
 struct Served {
-    folder: TempDir,
+    folder: Folder,
     sheet: PathBuf,
     host: String,
     path: String,
@@ -29,9 +28,8 @@ struct Served {
 impl Served {
     /// A copy of the polypropylene rod of the examples.
     fn of(sheet: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        copy_example("polypropylene", folder.path());
-        let sheet = folder.path().join(sheet);
+        let folder = Folder::of_example("polypropylene");
+        let sheet = folder.file(sheet);
         let view = View::of(&sheet, 0).unwrap();
         let address = view.address();
         let (host, path) = address
@@ -194,7 +192,7 @@ fn the_page_shows_the_report_of_the_job() {
     );
     let (status, _, report) = served.get(&format!("report/{}", found["report"]));
     assert_eq!(status, 200);
-    let folder = served.folder.path().join("result");
+    let folder = served.folder.file("result");
     let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .args(["modulus", "--quiet"])
         .arg(&served.sheet)
@@ -352,8 +350,8 @@ fn the_command_serves_until_it_is_interrupted() {
 
 #[test]
 fn what_is_no_text_is_not_served() {
-    let folder = tempfile::tempdir().unwrap();
-    let missing = View::of(&folder.path().join("missing.toml"), 0).unwrap_err();
+    let folder = Folder::new();
+    let missing = View::of(&folder.file("missing.toml"), 0).unwrap_err();
     assert!(missing.to_string().contains("missing.toml"), "{missing}");
     let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/hits-1.npy");
     assert!(matches!(

@@ -1,15 +1,15 @@
 //! Runs in a folder with results of an earlier run, or with files of another origin.
 
 use super::*;
-use crate::runs::{Words, done};
+use crate::runs::{Folder, Words, done};
 
 #[test]
 fn what_is_done_is_not_done_again_unless_something_has_changed() {
     let folder = campaign();
-    rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
-    let before = files_below(&folder.path().join("results"));
+    folder.rodlab("batch campaign --out results");
+    let before = files_below(&folder.file("results"));
     let written = |name: &str| {
-        let file = folder.path().join("results").join(name).join("result.json");
+        let file = folder.file("results").join(name).join("result.json");
         fs::metadata(file).unwrap().modified().unwrap()
     };
     let first = written("slow/1");
@@ -48,21 +48,18 @@ fn what_is_done_is_not_done_again_unless_something_has_changed() {
 
 #[test]
 fn r19_resume_does_again_what_has_new_recordings_or_is_spoilt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let frame = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/frame");
-    let test = folder.path().join("campaign");
+    let test = folder.file("campaign");
     fs::create_dir(&test).unwrap();
     let copy = |name: &str| fs::copy(frame.join(name), test.join(name)).unwrap();
     copy("modulus.ron");
     for hit in 1..=4 {
         copy(&format!("strains-{hit}.npy"));
     }
-    let result = folder.path().join("results/modulus");
+    let result = folder.file("results/modulus");
     let resumed = || {
-        rodlab(
-            folder.path(),
-            &["batch", "campaign", "--out", "results", "--resume"],
-        );
+        folder.rodlab("batch campaign --out results --resume");
         let json = fs::read_to_string(result.join("result.json")).unwrap();
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         let written = fs::metadata(result.join("result.json")).unwrap();
@@ -98,13 +95,13 @@ fn r19_resume_does_again_what_has_new_recordings_or_is_spoilt() {
 
 #[test]
 fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("hit.ron");
+    let folder = Folder::new();
+    let path = folder.file("hit.ron");
     let good = sheet("2 m/s", "4 ms");
     let wrong = good.replace("0.5 kg", "0.5 m");
     let single = ["force", "hit.ron", "--out", "results/hit"];
     let many = ["batch", "hit.ron", "--out", "results"];
-    let result = folder.path().join("results/hit");
+    let result = folder.file("results/hit");
     for command in [&single[..], &many] {
         fs::write(&path, &good).unwrap();
         assert_eq!(rodlab(folder.path(), command).status.code(), Some(0));
@@ -138,29 +135,26 @@ fn r19_a_failed_run_leaves_no_report_that_could_be_its_own() {
     }
     // a failure creates no folder, and does not remove a result of another program
     fs::write(&path, &wrong).unwrap();
-    fs::create_dir(folder.path().join("mine")).unwrap();
-    fs::write(folder.path().join("mine/result.json"), "{}").unwrap();
+    fs::create_dir(folder.file("mine")).unwrap();
+    folder.write("mine/result.json", "{}");
     for out in ["new", "mine"] {
         let run = rodlab(folder.path(), &["force", "hit.ron", "--out", out]);
         assert_eq!(run.status.code(), Some(2));
     }
-    rodlab(folder.path(), &["batch", "hit.ron", "--out", "."]);
-    assert!(!folder.path().join("new").exists());
-    let mine = fs::read_to_string(folder.path().join("mine/result.json")).unwrap();
+    folder.rodlab("batch hit.ron --out .");
+    assert!(!folder.has("new"));
+    let mine = folder.read("mine/result.json");
     assert_eq!(mine, "{}");
 }
 
 #[test]
 fn r20_a_sheet_with_a_byte_order_mark_is_as_one_without() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("hit.ron");
+    let folder = Folder::new();
+    let path = folder.file("hit.ron");
     fs::write(&path, format!("\u{feff}{}", sheet("2 m/s", "4 ms"))).unwrap();
-    let result = folder.path().join("results/hit/result.json");
+    let result = folder.file("results/hit/result.json");
     let written = || {
-        done(
-            folder.path(),
-            &["batch", "hit.ron", "--out", "results", "--resume"],
-        );
+        folder.done("batch hit.ron --out results --resume");
         fs::metadata(&result).unwrap().modified().unwrap()
     };
     assert_eq!(written(), written(), "its hash is that of the file");
@@ -169,31 +163,31 @@ fn r20_a_sheet_with_a_byte_order_mark_is_as_one_without() {
 #[test]
 fn r19_a_summary_replaces_no_file_of_somebody_else() {
     let folder = campaign();
-    fs::create_dir(folder.path().join("results")).unwrap();
-    let page = folder.path().join("results/index.html");
+    fs::create_dir(folder.file("results")).unwrap();
+    let page = folder.file("results/index.html");
     fs::write(&page, "a page of mine").unwrap();
-    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let run = folder.rodlab("batch campaign --out results");
     assert_eq!(run.status.code(), Some(2));
     text(&run.stderr).must_say("index.html");
     assert_eq!(fs::read_to_string(&page).unwrap(), "a page of mine");
     fs::remove_file(&page).unwrap();
     for _ in 0..2 {
-        rodlab(folder.path(), &["merge", "results"]);
+        folder.rodlab("merge results");
         assert!(page.is_file());
     }
 }
 
 #[test]
 fn r19_a_report_is_dated_by_its_inputs_and_is_the_same_again() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("hit.ron");
+    let folder = Folder::new();
+    let path = folder.file("hit.ron");
     fs::write(&path, sheet("2 m/s", "4 ms")).unwrap();
     let seconds = |n| std::time::UNIX_EPOCH + Duration::from_secs(n);
     let changed = |n| {
         let file = fs::File::options().write(true).open(&path).unwrap();
         file.set_modified(seconds(n)).unwrap();
     };
-    let result = folder.path().join("hit-result");
+    let result = folder.file("hit-result");
     let run = |epoch: Option<&str>| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
         command

@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use super::*;
-use crate::runs::Words;
+use crate::runs::{Folder, Words};
 
 #[test]
 fn an_interruption_leaves_whole_files_and_the_rest_undone() {
-    let folder = TempDir::new().unwrap();
-    let sheets = folder.path().join("campaign");
+    let folder = Folder::new();
+    let sheets = folder.file("campaign");
     fs::create_dir_all(&sheets).unwrap();
     for number in 0..2000 {
         fs::write(
@@ -23,7 +23,7 @@ fn an_interruption_leaves_whole_files_and_the_rest_undone() {
         .spawn()
         .unwrap();
     // after a few results it receives the signal to stop
-    let results = folder.path().join("results");
+    let results = folder.file("results");
     let patience = Instant::now() + Duration::from_secs(60);
     while fs::read_dir(&results).map_or(0, Iterator::count) < 5 && Instant::now() < patience {
         std::thread::sleep(Duration::from_millis(5));
@@ -73,7 +73,7 @@ fn time_to_end(folder: &Path, arguments: &[&str]) -> Duration {
 
 #[test]
 fn r20_a_computation_in_a_library_hears_an_interruption() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     // a march of nearly a million steps, in one call of a library
     let bodies = r#"first: Chain(elements: [Cone(material: "nylon", near: "75 mm", far: "30 mm", length: "400 mm")]),
         second: LongRod(material: "nylon", diameter: "10 mm")"#;
@@ -82,9 +82,9 @@ fn r20_a_computation_in_a_library_hears_an_interruption() {
         law: ConstantQ(modulus: "2.6 GPa", loss_factor: "0.094", at: "3 kHz"))}},
         problem: Impact({bodies}, velocity: "1 m/s", duration: "4 ms", time_step: "5 ns"))"#
     );
-    fs::create_dir(folder.path().join("tests")).unwrap();
+    fs::create_dir(folder.file("tests")).unwrap();
     for name in ["1", "2", "3"] {
-        fs::write(folder.path().join(format!("tests/{name}.ron")), &long).unwrap();
+        folder.write(format!("tests/{name}.ron"), &long);
     }
     for arguments in [
         &["force", "tests/1.ron", "--out", "out/1"][..],
@@ -94,6 +94,6 @@ fn r20_a_computation_in_a_library_hears_an_interruption() {
         // half a second, and more on a busy machine
         assert!(took < Duration::from_secs(2), "{took:?}");
     }
-    let out = folder.path().join("out");
+    let out = folder.file("out");
     assert!(!out.exists() || files_below(&out).is_empty());
 }

@@ -1,7 +1,7 @@
 //! Folders of sheets, and folders of their results.
 
 use super::*;
-use crate::runs::{Words, done};
+use crate::runs::{Folder, Words, done};
 
 /// Names of the tests in a summary.
 fn tests_in(folder: &Path) -> Vec<String> {
@@ -15,16 +15,16 @@ fn tests_in(folder: &Path) -> Vec<String> {
 
 #[test]
 fn r19_results_stay_in_their_folder() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let put = |name: &str| {
-        let path = folder.path().join(name);
+        let path = folder.file(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, sheet("1 m/s", "4 ms")).unwrap();
     };
     for name in ["a/x.ron", "here/b/y.ron", "here/b/c/z.ron"] {
         put(name);
     }
-    let here = folder.path().join("here");
+    let here = folder.file("here");
     let absolute = here.join("b/c").display().to_string();
     let cases: [(&[&str], &[&str]); 3] = [
         (&["../a", "b"], &["a/x", "here/b/c/z", "here/b/y"]),
@@ -70,8 +70,8 @@ fn r19_results_stay_in_their_folder() {
 #[test]
 fn r19_a_folder_behind_links_is_looked_into_once() {
     use std::os::unix::fs::symlink;
-    let folder = TempDir::new().unwrap();
-    let at = |name: &str| folder.path().join(name);
+    let folder = Folder::new();
+    let at = |name: &str| folder.file(name);
     for name in ["campaign/m/1.ron", "elsewhere/2.ron"] {
         fs::create_dir_all(at(name).parent().unwrap()).unwrap();
         fs::write(at(name), sheet("1 m/s", "4 ms")).unwrap();
@@ -83,13 +83,10 @@ fn r19_a_folder_behind_links_is_looked_into_once() {
     symlink("m", at("campaign/a")).unwrap();
     symlink("../elsewhere", at("campaign/first")).unwrap();
     symlink("../elsewhere", at("campaign/second")).unwrap();
-    done(folder.path(), &["batch", "campaign", "--out", "results"]);
+    folder.done("batch campaign --out results");
     assert_eq!(tests_in(&at("results")), ["first/2", "m/1"]);
     // a link to the folder of the campaign gives the same tests
     symlink("campaign", at("link")).unwrap();
-    rodlab(
-        folder.path(),
-        &["batch", "link", "campaign", "--out", "by-link"],
-    );
+    folder.rodlab("batch link campaign --out by-link");
     assert_same_files(&at("results"), &at("by-link"));
 }

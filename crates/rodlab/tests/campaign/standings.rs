@@ -1,7 +1,7 @@
 //! Campaigns with tests in doubt and refused tests among answered ones.
 
 use super::*;
-use crate::runs::Words;
+use crate::runs::{Folder, Words};
 
 /// A campaign with the rod of the examples as it was measured, and with one sensor of inverted
 /// polarity.
@@ -9,7 +9,7 @@ fn right_and_inverted() -> TempDir {
     let folder = TempDir::new().unwrap();
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
     for name in ["right", "inverted"] {
-        let test = folder.path().join("campaign").join(name);
+        let test = folder.file("campaign").join(name);
         fs::create_dir_all(&test).unwrap();
         for number in 1..=5 {
             let hit = format!("hits-{number}.npy");
@@ -30,26 +30,25 @@ fn right_and_inverted() -> TempDir {
 #[test]
 fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
     let folder = right_and_inverted();
-    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let run = folder.rodlab("batch campaign --out results");
     let said = text(&run.stdout);
     assert_eq!(run.status.code(), Some(3), "{said}{}", text(&run.stderr));
     said.must_say("in doubt     inverted/modulus: the Kramers-Kronig check fails");
     said.must_say("answered     right/modulus: E' = 2.728");
     said.must_say("2 tests: 1 answered, 1 in doubt, 0 not allowed, 0 wrong input; 2 with warnings");
-    let read = |name: &str| fs::read_to_string(folder.path().join("results").join(name)).unwrap();
+    let read = |name: &str| folder.read(format!("results/{name}"));
     let summary = read("summary.csv");
     summary.must_begin("test,job,title,status,warnings,result\n");
     summary.must_say_all(&[",in doubt,", ",answered,"]);
     let page = read("index.html");
     page.must_say("<td class=\"status in-doubt\">in doubt</td>");
     page.must_say("<td class=\"status answered\">answered</td>");
-    let json: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    let json = folder.json("results/summary.json");
     assert_eq!(json["in_doubt"], 1);
     assert_eq!(json["with_warnings"], 2);
     assert_eq!(json["tests"][0]["status"], "in doubt");
     assert!(json["tests"][0]["warnings"].as_u64().unwrap() > 0);
-    let result: serde_json::Value =
-        serde_json::from_str(&read("inverted/modulus/result.json")).unwrap();
+    let result = folder.json("results/inverted/modulus/result.json");
     assert_eq!(result["verdict"]["answer"], "in doubt");
     let report = read("inverted/modulus/report.html");
     report.must_say("<p class=\"standing in-doubt\">in doubt</p>");
@@ -73,15 +72,7 @@ fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
         "{of_inverted} {of_law} {valid_of_right}"
     );
 
-    let single = rodlab(
-        folder.path(),
-        &[
-            "modulus",
-            "campaign/inverted/modulus.ron",
-            "--out",
-            "single",
-        ],
-    );
+    let single = folder.rodlab("modulus campaign/inverted/modulus.ron --out single");
     assert_eq!(single.status.code(), Some(3));
     text(&single.stderr).must_begin("in doubt: the Kramers-Kronig check fails");
     let said = text(&single.stdout);
@@ -111,15 +102,15 @@ fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
 #[test]
 fn r11_a_campaign_that_was_merged_or_taken_up_has_the_same_standings() {
     let folder = right_and_inverted();
-    rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
-    let before = fs::read_to_string(folder.path().join("results/summary.json")).unwrap();
+    folder.rodlab("batch campaign --out results");
+    let before = folder.read("results/summary.json");
     for again in [
         &["batch", "campaign", "--out", "results", "--resume"][..],
         &["merge", "results"][..],
     ] {
         let run = rodlab(folder.path(), again);
         assert_eq!(run.status.code(), Some(3), "{again:?}");
-        let after = fs::read_to_string(folder.path().join("results/summary.json")).unwrap();
+        let after = folder.read("results/summary.json");
         assert_eq!(after, before, "{again:?}");
     }
 }
@@ -127,13 +118,13 @@ fn r11_a_campaign_that_was_merged_or_taken_up_has_the_same_standings() {
 #[test]
 fn r10_a_hit_that_is_there_twice_stops_its_test_and_no_other() {
     let folder = right_and_inverted();
-    let test = folder.path().join("campaign/inverted");
+    let test = folder.file("campaign/inverted");
     fs::copy(test.join("hits-2.npy"), test.join("hits-7.npy")).unwrap();
-    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let run = folder.rodlab("batch campaign --out results");
     let said = text(&run.stdout);
     assert_eq!(run.status.code(), Some(2), "{said}");
     said.must_say("wrong input  inverted/modulus: hits-2.npy and hits-7.npy have the same content: they are one measurement");
-    let check = rodlab(folder.path(), &["check", "campaign/inverted/modulus.ron"]);
+    let check = folder.rodlab("check campaign/inverted/modulus.ron");
     assert_eq!(
         check.status.code(),
         Some(2),
@@ -143,17 +134,13 @@ fn r10_a_hit_that_is_there_twice_stops_its_test_and_no_other() {
 
 #[test]
 fn r10_one_shot_under_two_names_is_no_second_test() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/nylon");
     for name in ["identify.ron", "shots-1.csv"] {
-        fs::copy(example.join(name), folder.path().join(name)).unwrap();
+        fs::copy(example.join(name), folder.file(name)).unwrap();
     }
-    fs::copy(
-        example.join("shots-1.csv"),
-        folder.path().join("shots-2.csv"),
-    )
-    .unwrap();
-    let run = rodlab(folder.path(), &["check", "identify.ron"]);
+    fs::copy(example.join("shots-1.csv"), folder.file("shots-2.csv")).unwrap();
+    let run = folder.rodlab("check identify.ron");
     assert_eq!(run.status.code(), Some(2));
     let said = text(&run.stderr);
     said.must_say("shots-1.csv and shots-2.csv have the same content");

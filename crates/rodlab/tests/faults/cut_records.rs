@@ -6,13 +6,12 @@ use std::path::Path;
 use labio::Ordinate;
 use labio::format;
 use serde_json::Value;
-use tempfile::TempDir;
 
 use super::folder::files_in;
 use super::program::{rodlab, run};
 use super::record_files::{RecordFile, all, at_end_of_line};
 use super::tally::{Came, Extent, Row};
-use crate::runs::copy_example;
+use crate::runs::Folder;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let mut rows = Vec::new();
@@ -20,7 +19,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         let mut points: Vec<usize> = (0..file.bytes.len()).step_by(10).collect();
         points.push(file.bytes.len());
         let points = extent.of(&points, 6);
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         for (command, judge) in [("inspect", inspected as Judge), ("convert", converted)] {
             let whole = judge(&file, file.bytes.len(), folder.path(), None);
             let Judged::Whole(whole) = whole else {
@@ -149,9 +148,8 @@ fn begins_with(whole: &Value, shorter: &Value) -> bool {
 
 /// Runs a modulus from five hits, the first of which is cut at a hundred places.
 fn in_a_job(ending: &str, extent: Extent) -> Row {
-    let folder = TempDir::new().unwrap();
-    copy_example("frame", folder.path());
-    let sheet = folder.path().join("modulus.ron");
+    let folder = Folder::of_example("frame");
+    let sheet = folder.file("modulus.ron");
     for number in 1..=5 {
         let [from, to] = ["npy", ending].map(|ending| format!("strains-{number}.{ending}"));
         if from != to {
@@ -164,16 +162,16 @@ fn in_a_job(ending: &str, extent: Extent) -> Row {
     }
     let text = fs::read_to_string(&sheet).unwrap();
     fs::write(&sheet, text.replace("*.npy", &format!("*.{ending}"))).unwrap();
-    let record = fs::read(folder.path().join(format!("strains-1.{ending}"))).unwrap();
+    let record = folder.bytes(format!("strains-1.{ending}"));
     let files = files_in(folder.path());
     let result = |cut: usize| {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         super::folder::put(folder.path(), &files);
-        let path = folder.path().join(format!("strains-1.{ending}"));
+        let path = folder.file(format!("strains-1.{ending}"));
         fs::write(path, &record[..cut]).unwrap();
         let arguments = ["modulus", "modulus.ron", "--json", "--out", "out"];
         let ran = run(&mut rodlab(folder.path(), &arguments));
-        let there = folder.path().join("out/result.json").exists();
+        let there = folder.has("out/result.json");
         (ran, there)
     };
     let of = |out: &[u8]| -> Value { serde_json::from_slice(out).unwrap() };

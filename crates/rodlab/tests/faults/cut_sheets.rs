@@ -3,11 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use tempfile::TempDir;
-
 use super::program::{rodlab, run};
 use super::tally::{Came, Extent, Row};
-use crate::runs::copy_example;
+use crate::runs::{Folder, copy_example};
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let mut rows = Vec::new();
@@ -17,10 +15,10 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         ("nylon", &["identify", "plan"]),
         ("cone", &["force"]),
     ] {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         copy_example(name, folder.path());
         for sheet in sheets {
-            let text = fs::read(folder.path().join(format!("{sheet}.ron"))).unwrap();
+            let text = folder.bytes(format!("{sheet}.ron"));
             rows.push(row(
                 &format!("cut sheet {name}/{sheet}.ron"),
                 &text,
@@ -32,10 +30,10 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     for job in [
         "frf", "modulus", "recovery", "fit", "identify", "mobility", "force", "shpb", "simulate",
     ] {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         let ran = run(&mut rodlab(folder.path(), &["init", job, "sheet.ron"]));
         assert_eq!(ran.status, Some(0), "{}", ran.err);
-        let text = fs::read(folder.path().join("sheet.ron")).unwrap();
+        let text = folder.bytes("sheet.ron");
         rows.push(row(
             &format!("cut template of {job}"),
             &text,

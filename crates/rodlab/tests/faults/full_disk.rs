@@ -4,12 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use tempfile::TempDir;
-
 use super::folder::{Files, difference, files_in, put};
 use super::program::{Ran, rodlab, run, shell};
 use super::struck_mass::{self, sheet};
 use super::tally::{Came, Extent, Row};
+use crate::runs::Folder;
 
 /// Bytes in one unit of `ulimit -f`.
 const BLOCK: usize = 512;
@@ -54,13 +53,13 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
 
 fn made_by(arguments: &str) -> Files {
     let folder = struck_mass::folder();
-    fs::create_dir(folder.path().join("out")).unwrap();
+    fs::create_dir(folder.file("out")).unwrap();
     let ran = run(&mut shell(
         folder.path(),
         &format!("exec \"$0\" {arguments}"),
     ));
     assert_eq!(ran.status, Some(0), "{}", ran.err);
-    files_in(&folder.path().join("out"))
+    files_in(&folder.file("out"))
 }
 
 /// All limits in blocks, from 0 to the length of the longest of `files`.
@@ -77,7 +76,7 @@ fn limited(fault: &str, arguments: &str, (before, after): (&Files, &Files), exte
         &extent.of(&limits(after), 4),
         |&blocks| {
             let folder = struck_mass::folder();
-            let out = folder.path().join("out");
+            let out = folder.file("out");
             put(&out, before);
             let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {arguments}");
             let ran = run(&mut shell(folder.path(), &script));
@@ -102,7 +101,7 @@ fn judged(ran: &Ran, now: &Files, before: &Files, after: &Files) -> Came {
 /// Runs a campaign in the folder of an earlier one: its summary and each of its results are old or
 /// new, and it is resumed with more space.
 fn campaign(extent: Extent) -> Row {
-    let sheets = TempDir::new().unwrap();
+    let sheets = Folder::new();
     let campaign = |folder: &Path, velocities: [&str; 2]| {
         fs::create_dir_all(folder.join("tests")).unwrap();
         for (number, velocity) in velocities.iter().enumerate() {
@@ -132,9 +131,9 @@ fn campaign(extent: Extent) -> Row {
         "every 512 bytes up to the longest file",
         &extent.of(&limits(after), 3),
         |&blocks| {
-            let folder = TempDir::new().unwrap();
+            let folder = Folder::new();
             campaign(folder.path(), ["3 m/s", "4 m/s"]);
-            let out = folder.path().join("out");
+            let out = folder.file("out");
             put(&out, before);
             let script = format!(
                 "trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" batch tests --out out --quiet"
@@ -206,7 +205,7 @@ fn small_disk(before: &Files, after: &Files, extent: Extent) -> Row {
     let points: Vec<usize> = (0..=pages(after) + 4).collect();
     Row::of(fault, injected, &extent.of(&points, 3), |&free| {
         let folder = struck_mass::folder();
-        put(&folder.path().join("before"), before);
+        put(&folder.file("before"), before);
         let size = 4 * (pages(before) + free + 1);
         let script = format!(
             "mkdir disk && mount -t tmpfs -o size={size}k tmpfs disk && cp -r before disk/out || exit 99
@@ -220,6 +219,6 @@ fn small_disk(before: &Files, after: &Files, extent: Extent) -> Row {
             .env("NO_COLOR", "1")
             .env("SOURCE_DATE_EPOCH", "0");
         let ran = run(&mut command);
-        judged(&ran, &files_in(&folder.path().join("after")), before, after)
+        judged(&ran, &files_in(&folder.file("after")), before, after)
     })
 }

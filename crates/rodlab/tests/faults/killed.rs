@@ -4,12 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use tempfile::TempDir;
-
 use super::folder::{Files, difference, files_in, is_whole, put};
 use super::program::{Ran, rodlab, run, shell};
 use super::struck_mass::{self, sheet};
 use super::tally::{Came, Extent, Row};
+use crate::runs::Folder;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     let folder = struck_mass::folder();
@@ -54,7 +53,7 @@ fn conversion(extent: Extent) -> Row {
         &extent.of(&blocks, 3),
         |&blocks| {
             let folder = struck_mass::folder();
-            let new = folder.path().join("new.npz");
+            let new = folder.file("new.npz");
             fs::write(&new, "older").unwrap();
             let before = files_in(folder.path());
             let script = format!(
@@ -158,7 +157,7 @@ fn at_random(earlier: &Files, later: &Files, extent: Extent) -> Row {
         &extent.of(&numbers(1993, 300), 8),
         |part| {
             let folder = struck_mass::folder();
-            put(&folder.path().join("out"), earlier);
+            put(&folder.file("out"), earlier);
             let mut command = rodlab(folder.path(), &arguments);
             let ran = killed_after(&mut command, duration.mul_f64(*part));
             after_the_kill(&ran, folder.path(), earlier, later)
@@ -176,7 +175,7 @@ fn campaign(extent: Extent) -> Row {
         }
         fs::write(folder.join("tests/wrong.ron"), "Force(").unwrap();
     };
-    let reference = TempDir::new().unwrap();
+    let reference = Folder::new();
     tests(reference.path());
     let arguments = ["batch", "tests", "--out", "out", "--quiet", "--resume"];
     let began = Instant::now();
@@ -198,9 +197,9 @@ fn campaign(extent: Extent) -> Row {
         "60 times three delays up to its duration",
         &extent.of(&numbers(1994, 60), 2),
         |part| {
-            let folder = TempDir::new().unwrap();
+            let folder = Folder::new();
             tests(folder.path());
-            let out = folder.path().join("out");
+            let out = folder.file("out");
             for power in [1.0, 0.5, 0.3] {
                 let delay = duration.mul_f64(part.powf(power));
                 killed_after(&mut rodlab(folder.path(), &arguments), delay);

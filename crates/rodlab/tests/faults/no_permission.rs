@@ -67,7 +67,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         &names,
         |name| {
             let folder = struck_mass::folder();
-            let out = folder.path().join("out");
+            let out = folder.file("out");
             put(&out, &earlier);
             fs::set_permissions(out.join(name), Permissions::from_mode(0o444)).unwrap();
             let mut command = Command::new(PROGRAM);
@@ -109,8 +109,8 @@ fn user() -> Option<Vec<&'static str>> {
 
 fn attempt((place, mode, arguments): &Place, user: &[&str]) -> Came {
     let folder = struck_mass::folder();
-    let path = folder.path().join(place);
-    let out = folder.path().join("out");
+    let path = folder.file(place);
+    let out = folder.file("out");
     fs::create_dir(&out).unwrap();
     fs::write(out.join("kept.txt"), "kept").unwrap();
     open_to_all(folder.path());

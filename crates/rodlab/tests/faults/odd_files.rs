@@ -11,7 +11,7 @@ use super::folder::{difference, files_in};
 use super::program::{Ran, rodlab, run, shell};
 use super::struck_mass;
 use super::tally::{Came, Extent, Row};
-use crate::runs::copy_example;
+use crate::runs::{Folder, copy_example};
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     vec![
@@ -70,7 +70,7 @@ fn in_place_of_a_file(extent: Extent) -> Row {
         &extent.of(&points, 19),
         |((name, make), arguments)| {
             let folder = struck_mass::folder();
-            make(&folder.path().join("odd"));
+            make(&folder.file("odd"));
             let ran = run(&mut rodlab(folder.path(), arguments));
             if let Some(broke) = ran.broke() {
                 return broke;
@@ -112,10 +112,10 @@ fn in_place_of_a_record(extent: Extent) -> Row {
         &extent.of(&points, 8),
         |((name, make), (how, change))| {
             let folder = struck_mass::folder();
-            let sheet = folder.path().join("modulus.ron");
+            let sheet = folder.file("modulus.ron");
             let text = fs::read_to_string(&sheet).unwrap();
             fs::write(&sheet, change(&text)).unwrap();
-            let record = folder.path().join("strains-1.npy");
+            let record = folder.file("strains-1.npy");
             fs::remove_file(&record).unwrap();
             make(&record);
             let check = run(&mut rodlab(folder.path(), &["check", "modulus.ron"]));
@@ -162,7 +162,7 @@ fn places() -> Row {
         "each of ten places",
         &points,
         |name| {
-            let root = tempfile::tempdir().unwrap();
+            let root = Folder::new();
             let place = root.path().join(OsStr::from_bytes(name));
             let out = place.join("results \u{e5}");
             if fs::create_dir(&place).is_ok() {
@@ -279,7 +279,7 @@ fn closed_output() -> Row {
         &points,
         |((arguments, expected), full)| {
             let folder = struck_mass::folder();
-            fs::write(folder.path().join("wrong.ron"), "Force(").unwrap();
+            folder.write("wrong.ron", "Force(");
             let ran = if *full {
                 run(&mut shell(
                     folder.path(),

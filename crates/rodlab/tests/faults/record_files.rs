@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::runs::Folder;
 use labio::format::npz::Npz;
 use labio::format::uff58::{ByteOrder, Encoding, Precision, Uff58Writer};
 use labio::format::wav::{WavEncoding, WavWriter};
@@ -128,8 +129,8 @@ pub(crate) fn all() -> Vec<RecordFile> {
 
 /// The recording as NPY, which contains only numbers: names and times are lost.
 fn array() -> Vec<u8> {
-    let folder = tempfile::tempdir().unwrap();
-    let [table_file, array] = ["hit.csv", "hit.npy"].map(|name| folder.path().join(name));
+    let folder = Folder::new();
+    let [table_file, array] = ["hit.csv", "hit.npy"].map(|name| folder.file(name));
     fs::write(&table_file, table()).unwrap();
     rodlab::convert::convert(&table_file, &array, ConvertOptions::default()).unwrap();
     fs::read(array).unwrap()

@@ -1,13 +1,10 @@
 //! A sheet that takes a hundredth of a second and needs no records, and its results.
 
-use std::fs;
 use std::path::Path;
-
-use tempfile::TempDir;
 
 use super::folder::{Files, files_in};
 use super::program::{rodlab, run};
-use crate::runs::copy_example;
+use crate::runs::{Folder, copy_example};
 
 /// A mass that strikes a long rod.
 pub(crate) fn sheet(velocity: &str) -> String {
@@ -28,7 +25,7 @@ pub(crate) fn folder() -> TempDir {
 }
 
 pub(crate) fn result(folder: &Path, job: &str, sheet: &str) -> Files {
-    let out = TempDir::new().unwrap();
+    let out = Folder::new();
     let place = out.path().join("out");
     let ran = run(&mut rodlab(
         folder,

@@ -1,7 +1,6 @@
 //! Runs that are killed at each of the system calls by which they change a folder; needs `strace`.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -45,7 +44,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
                 &extent.of(&points, 5),
                 |(call, number)| {
                     let folder = struck_mass::folder();
-                    put(&folder.path().join("out"), before);
+                    put(&folder.file("out"), before);
                     let inject = format!("inject={call}:signal=KILL:when={number}");
                     let mut command = traced(folder.path(), "/dev/null");
                     command.args(["-e", &inject]);
@@ -80,10 +79,10 @@ fn with_program(command: &mut Command) -> &mut Command {
 /// All these calls of a run, by name and number.
 fn calls(before: &Files) -> Vec<(String, usize)> {
     let folder = struck_mass::folder();
-    put(&folder.path().join("out"), before);
+    put(&folder.file("out"), before);
     let ran = run(with_program(&mut traced(folder.path(), "calls")));
     assert_eq!(ran.status, Some(0), "{}", ran.err);
-    let log = fs::read_to_string(folder.path().join("calls")).unwrap();
+    let log = folder.read("calls");
     let mut count: BTreeMap<String, usize> = BTreeMap::new();
     let mut points = Vec::new();
     for line in log.lines() {

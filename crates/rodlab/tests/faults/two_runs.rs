@@ -4,12 +4,11 @@ use std::fs;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use tempfile::TempDir;
-
 use super::folder::{difference, files_in};
 use super::program::{rodlab, run};
 use super::struck_mass::{self, sheet};
 use super::tally::{Came, Extent, Row};
+use crate::runs::Folder;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     vec![
@@ -76,7 +75,7 @@ fn runs(fault: &str, sheets: [(&'static str, &'static str); 2], extent: Extent) 
                     return Came::Lost(format!("status {:?}: {}", ran.status, ran.err));
                 }
             }
-            let now = files_in(&folder.path().join("out"));
+            let now = files_in(&folder.file("out"));
             if results.contains(&now) {
                 Came::Right
             } else {
@@ -89,11 +88,11 @@ fn runs(fault: &str, sheets: [(&'static str, &'static str); 2], extent: Extent) 
 /// Two campaigns of the same tests at the same time.
 fn campaigns(extent: Extent) -> Row {
     let folder = || {
-        let folder = TempDir::new().unwrap();
-        fs::create_dir(folder.path().join("tests")).unwrap();
+        let folder = Folder::new();
+        fs::create_dir(folder.file("tests")).unwrap();
         for number in 1..=4 {
             let text = sheet(&format!("{number} m/s"));
-            fs::write(folder.path().join(format!("tests/{number}.ron")), text).unwrap();
+            folder.write(format!("tests/{number}.ron"), text);
         }
         folder
     };
@@ -123,7 +122,7 @@ fn campaigns(extent: Extent) -> Row {
                     return broke;
                 }
             }
-            match difference(&files_in(&folder.path().join("out")), &whole) {
+            match difference(&files_in(&folder.file("out")), &whole) {
                 Some(other) => Came::Lost(other),
                 None => Came::Right,
             }

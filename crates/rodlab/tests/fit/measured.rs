@@ -2,10 +2,9 @@
 
 use rodlab::Outcome;
 use rodlab::outcome::Verdict;
-use tempfile::TempDir;
 
 use super::{numbers, quantity, run};
-use crate::runs::Words;
+use crate::runs::{Folder, Words};
 
 /// The outcome of a sheet whose files are in the folder of measured data; `None` if they do not
 /// exist.
@@ -14,9 +13,9 @@ fn measured(table: &str, rest: &str) -> Option<Outcome> {
     if !dma.is_dir() {
         return None;
     }
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     #[cfg(unix)]
-    std::os::unix::fs::symlink(dma, folder.path().join("dma")).unwrap();
+    std::os::unix::fs::symlink(dma, folder.file("dma")).unwrap();
     #[cfg(not(unix))]
     return None;
     let text =

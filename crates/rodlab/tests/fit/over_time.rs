@@ -1,15 +1,12 @@
 //! Relaxation and creep in tables. The virtual material is a standard linear solid, whose responses
 //! to a ramp are known in closed form.
 
-use std::fs;
-
 use rodlab::Outcome;
 use rodlab::outcome::Verdict;
-use tempfile::TempDir;
 use testbed::noise::Noise;
 
 use super::{interval_of, numbers, run};
-use crate::runs::{Words, attachments_of, figures_of};
+use crate::runs::{Folder, Words, attachments_of, figures_of};
 
 const RELAXED: f64 = 0.4e9;
 const INCREMENT: f64 = 1.6e9;
@@ -46,11 +43,11 @@ fn rows(names: &str, seed: u64, of: impl Fn(f64) -> f64) -> String {
     format!("{names}\n{}", (0..1200).map(row).collect::<String>())
 }
 
-fn fitted(folder: &TempDir, tables: &str) -> Outcome {
+fn fitted(folder: &Folder, tables: &str) -> Outcome {
     let sheet = format!(
         r#"Fit(title: "x", density: "1200 kg/m3", tables: [{tables}], laws: (laws: [Zener, Elastic], most_lines: 150))"#
     );
-    run(folder.path(), &sheet).unwrap()
+    folder.run(&sheet).unwrap()
 }
 
 const RELAXATION: &str = r#"(files: ["relaxation.csv"], time: "t", ramp: "12 s", modulus: Relaxation(modulus: "E"),
@@ -58,9 +55,9 @@ const RELAXATION: &str = r#"(files: ["relaxation.csv"], time: "t", ramp: "12 s",
 const CREEP: &str = r#"(files: ["creep.csv"], time: 1, ramp: "0.2 min", modulus: Creep(compliance: "J"),
     temperature: Stated("23 degC"), errors: OverTime("0.5 %"))"#;
 
-fn folder() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let write = |name: &str, text: String| folder.write(name, text);
     write(
         "relaxation.csv",
         rows("t (min),E (MPa)", 1, |t| 1e-6 * relaxation(t)),
@@ -173,11 +170,7 @@ fn moduli_over_frequency_stand_beside_those_over_time() {
         format!("{f},{},{}\n", part(modulus.re), part(modulus.im))
     };
     let text: String = (0..31).map(row).collect();
-    fs::write(
-        folder.path().join("dma.csv"),
-        format!("f (Hz),E1 (Pa),E2 (Pa)\n{text}"),
-    )
-    .unwrap();
+    folder.write("dma.csv", format!("f (Hz),E1 (Pa),E2 (Pa)\n{text}"));
     let dma = r#"(files: ["dma.csv"], frequency: "f", modulus: Parts(storage: "E1", loss: "E2"), temperature: Stated("23 degC"),
         errors: MagnitudeAndPhase(magnitude: "0.5 %", phase: "0.005"))"#;
     let outcome = fitted(&folder, &format!("{RELAXATION}, {dma}"));
@@ -193,9 +186,9 @@ fn moduli_over_frequency_stand_beside_those_over_time() {
 
 #[test]
 fn a_modulus_that_rises_with_time_is_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let text = rows("t (min),E (MPa)", 4, |t| 1000.0 * (1.0 + t).powf(0.02));
-    fs::write(folder.path().join("relaxation.csv"), text).unwrap();
+    folder.write("relaxation.csv", text);
     let said = super::reasons(&fitted(&folder, RELAXATION));
     said.must_say("the modulus rises with time in 1 test(s), first at 23 \u{b0}C");
 }
@@ -204,16 +197,16 @@ fn a_modulus_that_rises_with_time_is_in_doubt() {
 /// modulus, is impossible at the ends: there is no card, but the laws are fitted nevertheless.
 #[test]
 fn a_card_that_cannot_be_costs_no_other_result() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let text = rows("t (min),E (MPa)", 4, |t| {
         10.0 + 3000.0 * (1.0 + t).powf(-0.9)
     });
-    fs::write(folder.path().join("relaxation.csv"), text).unwrap();
+    folder.write("relaxation.csv", text);
     let sheet = format!(
         r#"Fit(title: "x", density: "1200 kg/m3", tables: [{RELAXATION}], laws: (laws: [GeneralisedMaxwell],
             cards: (name: "A", poisson_ratio: "0.1", programs: [Abaqus])))"#
     );
-    let outcome = run(folder.path(), &sheet).unwrap();
+    let outcome = folder.run(&sheet).unwrap();
     let said = outcome.warnings.join("\n");
     said.must_say("No card is written: instantaneous Poisson ratio");
     assert_eq!(attachments_of(&outcome), "material.json");
@@ -227,7 +220,7 @@ fn draws_of_moduli_over_time_scatter_by_the_stated_errors() {
     let sheet = format!(
         r#"Fit(title: "x", monte_carlo: 60, tables: [{RELAXATION}], laws: (laws: [Zener], most_lines: 60))"#
     );
-    let outcome = run(folder.path(), &sheet).unwrap();
+    let outcome = folder.run(&sheet).unwrap();
     let names = super::words(&outcome, "monte_carlo", "quantity");
     let of = |column: &str| numbers(&outcome, "monte_carlo", column);
     for name in ["relaxed modulus", "modulus increment", "relaxation time"] {

@@ -1,11 +1,7 @@
 //! Wrong tables and sheets, with the message for each.
 
-use std::fs;
-
-use tempfile::TempDir;
-
 use super::run;
-use crate::runs::{Words, with_causes};
+use crate::runs::{Folder, Words, with_causes};
 
 /// A table with three frequencies at two temperatures.
 const TABLE: &str = "f,E',E'',T,Set\nHz,MPa,MPa,degC,-\n1,1000,100,20,0\n10,1100,110,20.1,0\n100,1200,120,20.2,0\n1,900,100,30,1\n10,1000,110,30,1\n100,1100,120,30,1\n";
@@ -16,8 +12,8 @@ const SHEET: &str = r#"Fit(
 )"#;
 
 fn said(table: &str, sheet: &str) -> String {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("t.csv"), table).unwrap();
+    let folder = Folder::new();
+    folder.write("t.csv", table);
     let error = run(folder.path(), sheet).expect_err(sheet);
     with_causes(&error).replace(&folder.path().display().to_string(), "FOLDER")
 }
@@ -96,12 +92,8 @@ fn wrong_sheets_are_refused_where_they_are_wrong() {
 /// A last line without data is left out with a warning; the same line between others is refused.
 #[test]
 fn a_last_line_that_is_none_is_left_out_and_said() {
-    let folder = TempDir::new().unwrap();
-    fs::write(
-        folder.path().join("t.csv"),
-        format!("{TABLE}]22[Freq0.1-100_"),
-    )
-    .unwrap();
+    let folder = Folder::new();
+    folder.write("t.csv", format!("{TABLE}]22[Freq0.1-100_"));
     let outcome = run(folder.path(), SHEET).unwrap();
     let warning = "The rows of t.csv are followed by text that is not a row of numbers and was ignored: csv, line 9: row is `]22[Freq0.1-100_`, \
                    expected a row of 5 numbers.";
@@ -184,7 +176,7 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
         "temperature: Column",
         "errors: Parts(storage: \"1 %\", loss: \"1 %\"), temperature: Column",
     );
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     for (scatter, verdict) in [(5, "Answered"), (200, "InDoubt")] {
         let mut table = "f,E',E'',T\nHz,MPa,MPa,degC\n".to_owned();
         for frequency in [1, 10, 100] {
@@ -192,7 +184,7 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
                 table += &format!("{frequency},{},100,20\n", 1000 + reading);
             }
         }
-        fs::write(folder.path().join("t.csv"), table).unwrap();
+        folder.write("t.csv", table);
         let outcome = run(folder.path(), &sheet).unwrap();
         let said = outcome.summary.join("\n");
         said.must_say("9 rows that repeat a frequency");
@@ -206,10 +198,10 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
 /// Two copies of each row count as one row.
 #[test]
 fn rows_that_are_stored_twice_count_once() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rows = "1,1000,100,20\n10,1100,110,20\n100,1200,120,20\n";
     let table = format!("f,E',E'',T\nHz,MPa,MPa,degC\n{rows}{rows}");
-    fs::write(folder.path().join("t.csv"), table).unwrap();
+    folder.write("t.csv", table);
     let outcome = run(folder.path(), SHEET).unwrap();
     let said = outcome.warnings.join("\n");
     said.must_say_all(&[
@@ -227,8 +219,8 @@ fn a_modulus_above_that_of_diamond_is_refused_unless_the_sheet_confirms_it() {
     let table = table.replace(",1200,", ",1300,").replace(",900,", ",950,");
     let message = said(&table, SHEET);
     message.must_say("t.csv, line 3) is a modulus of 2000 GPa, expected at most 1500 GPa");
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("t.csv"), table).unwrap();
+    let folder = Folder::new();
+    folder.write("t.csv", table);
     let sheet = SHEET.replace(
         "reference_temperature",
         "unusual: true, reference_temperature",

@@ -1,7 +1,7 @@
 //! Accepted and rejected hits, refused sheets, and measured hits.
 
 use super::*;
-use crate::runs::{Words, answered, doubts, refusal};
+use crate::runs::{Folder, Words, answered, doubts, refusal};
 
 /// Text of the log, one line per hit.
 fn decisions(outcome: &Outcome) -> String {
@@ -14,15 +14,12 @@ fn decisions(outcome: &Outcome) -> String {
 
 #[test]
 fn a_double_hit_is_rejected_with_its_reason_and_a_hand_can_decide_otherwise() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 4, 1e-3, NOISE);
     let double = history(N, |t| {
         blow(t - ONSET, 150.0, 1e-3) + blow(t - ONSET - 0.02, 40.0, 1e-3)
     });
-    write(
-        &folder.path().join("hit_4.npy"),
-        &recorded(&double, NOISE, 9),
-    );
+    write(&folder.file("hit_4.npy"), &recorded(&double, NOISE, 9));
     let by_checks = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap();
     insta::assert_snapshot!(decisions(&by_checks), @r"
     true hit 1, hit_0.npy 
@@ -81,7 +78,7 @@ fn a_long_record_is_cut_by_a_trigger() {
             })
             .sum()
     });
-    write(&folder.path().join("long.npy"), &recorded(&long, NOISE, 3));
+    write(&folder.file("long.npy"), &recorded(&long, NOISE, 3));
     let cut = |rest: &str| {
         format!(
             r#"{BAND} hits: (cut: Trigger(level: "20 N", pre_trigger: "50 ms", length: "4096 samples"{rest})),"#
@@ -114,14 +111,14 @@ fn a_long_record_is_cut_by_a_trigger() {
 
 #[test]
 fn r10_a_hit_in_two_files_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 3, 1e-3, NOISE);
     let mut files: Vec<_> = fs::read_dir(folder.path())
         .unwrap()
         .map(|file| file.unwrap().path())
         .collect();
     files.sort();
-    let copy = folder.path().join("hit_copy.npy");
+    let copy = folder.file("hit_copy.npy");
     fs::copy(&files[1], &copy).unwrap();
     let error = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap_err();
     error.must_say("hit_copy.npy have the same content");
@@ -129,7 +126,7 @@ fn r10_a_hit_in_two_files_is_refused() {
 
 #[test]
 fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 1, 1e-3, NOISE);
     let single = run(folder.path(), &sheet_of("hit_*.npy", BAND)).unwrap();
     let reasons = doubts(&single);
@@ -172,7 +169,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
 
 #[test]
 fn noise_alone_has_no_response() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for hit in 0..4 {
         // the sensor of the response is not connected
         let mut volts = recorded(&history(N, |t| blow(t - ONSET, 150.0, 1e-3)), NOISE, hit);
@@ -187,7 +184,7 @@ fn noise_alone_has_no_response() {
             volts.provenance().clone(),
         )
         .unwrap();
-        write(&folder.path().join(format!("hit_{hit}.npy")), &volts);
+        write(&folder.file(format!("hit_{hit}.npy")), &volts);
     }
     let unchecked =
         r#"hits: (criteria: (level_shift: None, remainder: None, static_offset: None)),"#;
@@ -207,7 +204,7 @@ fn noise_alone_has_no_response() {
 
 #[test]
 fn the_same_sheet_gives_the_same_outcome() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 3, 1e-3, NOISE);
     let text = sheet_of("hit_*.npy", BAND);
     let [first, second] = [(); 2].map(|()| run(folder.path(), &text).unwrap());
@@ -218,7 +215,7 @@ fn the_same_sheet_gives_the_same_outcome() {
 
 #[test]
 fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 2, 1e-3, NOISE);
     let of = |rest: &str| run(folder.path(), &sheet_of("hit_*.npy", rest)).unwrap_err();
     let mut said = vec![
@@ -267,11 +264,11 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
     hits.channel is `hamer`, expected one of the channels `hammer`, `struck end`
     hits.criteria: ratio of two contacts is -1, expected a finite value above 0
     hits.criteria.full_scales.hammer is `10 N`, expected a level of `hammer`, which is voltage [V]
-    FOLDER/test.ron:4:41: Frf.estimator: found `H3`, expected one of `H1`, `H2`, `Hv`, `Hs`
-    FOLDER/test.ron:4:38: Frf.window: found `Hanning`, expected one of `Rectangular`, `Hann`, `Hamming`, `BlackmanHarris`, `FlatTop`, `Tukey`
+    test.ron:4:41: Frf.estimator: found `H3`, expected one of `H1`, `H2`, `Hv`, `Hs`
+    test.ron:4:38: Frf.window: found `Hanning`, expected one of `Rectangular`, `Hann`, `Hamming`, `BlackmanHarris`, `FlatTop`, `Tukey`
     force_window: a force window cannot be combined with HannPeriodic
     weighed_mass: end of the band of a nearly rigid body [Hz] is 10, expected a finite frequency above its start
-    FOLDER/test.ron:4:30: Frf.colour: there is no field `colour`, only `title`, `about`, `records`, `hits`, `segments`, `input`, `further_inputs`, `outputs`, `estimator`, `window`, `force_window`, `exponential_window`, `detrend`, `silent`, `band`, `kind`, `second_hammer`, `weighed_mass`
+    test.ron:4:30: Frf.colour: there is no field `colour`, only `title`, `about`, `records`, `hits`, `segments`, `input`, `further_inputs`, `outputs`, `estimator`, `window`, `force_window`, `exponential_window`, `detrend`, `silent`, `band`, `kind`, `second_hammer`, `weighed_mass`
     input is `force`, expected one of records.channels: `hammer`, `struck end`
     kind is mobility, expected a force and a motion as input and output, not `struck end` [Pa] over `hammer` [N]
     ");
@@ -313,10 +310,10 @@ fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
     let Some(data) = measured::folder() else {
         return;
     };
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for hit in 1..=5 {
         let name = format!("measurements_{hit}.npy");
-        fs::copy(data.join("hammer").join(&name), folder.path().join(&name)).unwrap();
+        fs::copy(data.join("hammer").join(&name), folder.file(&name)).unwrap();
     }
     let outcome = answered(run(
         folder.path(),
@@ -380,7 +377,7 @@ fn doubts_of(folder: &Path) -> Vec<String> {
 
 #[test]
 fn a_window_of_the_analyser_is_found_by_the_noise() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_changed(folder.path(), |_, _| {}, |_, x| x);
     assert_eq!(doubts_of(folder.path()), [""; 0]);
     let window = |n: usize| (-(n as f64) / RATE / 0.2).exp();

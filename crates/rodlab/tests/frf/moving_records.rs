@@ -1,7 +1,7 @@
 //! Records that do not end at rest, offsets, windows and odd hits.
 
 use super::*;
-use crate::runs::{Words, answered, doubts};
+use crate::runs::{Folder, Words, answered, doubts};
 
 /// Writes hits in N and in the unit of `quantity`, in records of `n` samples, with `noise` relative
 /// to the peak on the motion and a tenth of it on the force; `change` modifies the samples of a
@@ -42,7 +42,7 @@ fn sheet_in(unit: &str, rest: &str) -> String {
 
 #[test]
 fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_motions(folder.path(), Quantity::Velocity, (10, N, 2e-3), |_, _| {});
     let outcome = answered(run(folder.path(), &sheet_in("m/s", "")));
     let (mean, beyond) = spread(&outcome, "mobility", |f| {
@@ -56,7 +56,7 @@ fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
 
 #[test]
 fn s1_a_force_comes_back_from_the_velocity_of_a_free_body() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_motions(folder.path(), Quantity::Velocity, (9, N, 1e-3), |_, _| {});
     // the last record, of 230 N, is the one whose force is determined
     fs::rename(
@@ -110,7 +110,7 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     // a force that is determined by such hits needs the window, and the message names its field
     let channels = r#"sampling_rate: "8192 Hz", channels: [(name: "hammer", from: 1, unit: "N"), (name: "struck end", from: 2, unit: "m/s^2")]"#;
     let blow = ("hit_05.npy", "blow.npy");
-    fs::rename(folder.path().join(blow.0), folder.path().join(blow.1)).unwrap();
+    fs::rename(folder.file(blow.0), folder.file(blow.1)).unwrap();
     let text = format!(
         r#"Force(title: "blow", problem: Response(
             path: Hits(records: (files: ["hit_*.npy"], {channels}), force: "hammer", response: "struck end"),
@@ -151,7 +151,7 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
 
 #[test]
 fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_motions(
         folder.path(),
         Quantity::Acceleration,
@@ -186,7 +186,7 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
 
 #[test]
 fn s9_windows_that_cut_the_hit_put_the_result_in_doubt() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_motions(
         folder.path(),
         Quantity::Acceleration,
@@ -208,7 +208,7 @@ fn s9_windows_that_cut_the_hit_put_the_result_in_doubt() {
 
 #[test]
 fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_motions(
         folder.path(),
         Quantity::Acceleration,
@@ -248,7 +248,7 @@ fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
 
 #[test]
 fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_motions(
         folder.path(),
         Quantity::Acceleration,
@@ -304,7 +304,7 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
             .iter()
             .any(|c| c.name == "decay rate of the exponential window")
     );
-    fs::write(folder.path().join("table.csv"), text).unwrap();
+    folder.write("table.csv", text);
     for file in [
         r#"file: "mobility.uff", data_set: 1"#,
         r#"file: "frf.uff", data_set: 1"#,
@@ -335,11 +335,7 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
     // a velocity
     let folder = tempfile::tempdir().unwrap();
     write_motions(folder.path(), Quantity::Velocity, (7, N, 1e-3), |_, _| {});
-    fs::rename(
-        folder.path().join("hit_00.npy"),
-        folder.path().join("blow.npy"),
-    )
-    .unwrap();
+    fs::rename(folder.file("hit_00.npy"), folder.file("blow.npy")).unwrap();
     let channels = r#"sampling_rate: "8192 Hz", channels: [(name: "hammer", from: 1, unit: "N"), (name: "struck end", from: 2, unit: "m/s")]"#;
     let text = format!(
         r#"Force(title: "blow", problem: Response(

@@ -1,11 +1,11 @@
 //! The response of a body from hits with one hammer and with two.
 
 use super::*;
-use crate::runs::{Words, answered, doubts, figures_of};
+use crate::runs::{Folder, Words, answered, doubts, figures_of};
 
 #[test]
 fn the_response_is_that_of_the_body_within_its_stated_errors() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 10, 1e-3, NOISE);
     let outcome = answered(run(folder.path(), &sheet_of("hit_*.npy", BAND)));
     assert!(
@@ -44,7 +44,7 @@ fn the_response_is_that_of_the_body_within_its_stated_errors() {
 
 #[test]
 fn the_universal_file_holds_the_response_and_its_coherence() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 3, 1e-3, NOISE);
     let outcome = run(
         folder.path(),
@@ -145,9 +145,9 @@ fn second_of(sensitivity: &str) -> String {
 
 #[test]
 fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
-    let folder = tempfile::tempdir().unwrap();
-    write_hits(&folder.path().join("soft"), 5, 2e-3, NOISE);
-    write_hits_from(50, &folder.path().join("hard"), 5, 0.7e-3, NOISE);
+    let folder = Folder::new();
+    write_hits(&folder.file("soft"), 5, 2e-3, NOISE);
+    write_hits_from(50, &folder.file("hard"), 5, 0.7e-3, NOISE);
     let outcome = answered(run(folder.path(), &second_of("2 mV/N ± 3 %")));
     // the errors of the two pairs of sensors are averaged with the shares of the hammers
     let common = column(&outcome, "response_struck_end", "error that lines share");
@@ -172,7 +172,7 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
 
 #[test]
 fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 10, 1e-3, NOISE);
     let text = sheet_of(
         "hit_*.npy",

@@ -1,7 +1,7 @@
 //! Long random records, inputs that act together, and records of unequal length.
 
 use super::*;
-use crate::runs::{Words, answered};
+use crate::runs::{Folder, Words, answered};
 
 /// Writes forces on both masses and the acceleration of the struck mass in volts, with 2 mV/N and
 /// 100 mV/g, noise of 30 mV on the acceleration and a tenth of it on the forces. The forces are 0
@@ -126,16 +126,10 @@ fn across(s: Complex64) -> Complex64 {
 
 #[test]
 fn s14_long_random_records_give_the_response_of_the_body() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let silent = 4096;
     for (name, seed) in [("a.npy", 1), ("b.npy", 2)] {
-        shaken(
-            &folder.path().join(name),
-            10 * 8192 + silent,
-            silent,
-            0.0,
-            seed,
-        );
+        shaken(&folder.file(name), 10 * 8192 + silent, silent, 0.0, seed);
     }
     let sheet = shaken_sheet(r#"segments: (length: "1 s"), silent: "0.49 s","#);
     let outcome = answered(run(folder.path(), &sheet));
@@ -174,8 +168,8 @@ fn s14_long_random_records_give_the_response_of_the_body() {
 
 #[test]
 fn s14_inputs_that_act_together_have_a_response_each() {
-    let folder = tempfile::tempdir().unwrap();
-    shaken(&folder.path().join("a.npy"), 20 * 8192, 0, 1.0, 3);
+    let folder = Folder::new();
+    shaken(&folder.file("a.npy"), 20 * 8192, 0, 1.0, 3);
     let both =
         r#"segments: (length: "8192 samples", overlap: "60 %"), further_inputs: ["other shaker"],"#;
     let outcome = answered(run(folder.path(), &shaken_sheet(both)));
@@ -248,11 +242,11 @@ fn s14_inputs_that_act_together_have_a_response_each() {
 
 #[test]
 fn s14_hits_of_unequal_length_are_continued_by_rest() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 4, 1e-3, NOISE);
     let cut = |n: usize, name: &str, seed: u64| {
         let history = history(n, |t| blow(t - ONSET, 180.0, 1e-3));
-        write(&folder.path().join(name), &recorded(&history, NOISE, seed));
+        write(&folder.file(name), &recorded(&history, NOISE, seed));
     };
     cut(3000, "hit_8.npy", 18);
     let outcome = answered(run(folder.path(), &sheet_of("*.npy", BAND)));
@@ -281,7 +275,7 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
 
 #[test]
 fn s14_a_hysteresis_beyond_the_signal_is_told() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     write_hits(folder.path(), 1, 1e-3, NOISE);
     let sheet = sheet_of(
         "*.npy",

@@ -1,13 +1,13 @@
 //! Tests of one rod at several temperatures.
 
 use super::*;
-use crate::runs::Words;
+use crate::runs::{Folder, Words};
 
 /// Two tests at 20 and 45 degC of a rod whose rate grows with the temperature: the activation
 /// energy is found, and without it a warning states the difference of the temperatures.
 #[test]
 fn an_activation_energy_is_found_from_two_temperatures() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (kappa, rate, energy) = (1.8, 6.0, 80e3);
     let faster = (-energy / 8.314_462_618 * (1.0 / 318.15 - 1.0 / 293.15_f64)).exp();
     let files = [
@@ -17,14 +17,14 @@ fn an_activation_energy_is_found_from_two_temperatures() {
     ];
     let tests = files.map(|(file, velocity, factor, temperature, seed)| {
         let law = MaxwellNorton::from_reference_rate(kappa, factor * rate, 10e6).unwrap();
-        let path = folder.path().join(file);
+        let path = folder.file(file);
         velocities(&law, velocity).write(&path, 5e-3 * velocity, seed, "m/s", 1.0);
         let own = format!(r#"to: "2.5 ms", temperature: "{temperature}","#);
         test_entry(file, &format!("{velocity} m/s"), &own)
     });
     let norton = format!("laws: [Norton], compare: false, profiles: false, {QUICK}");
     let activated = format!(r#"arrhenius: (reference: "20 degC"), {norton}"#);
-    let outcome = attempt(folder.path(), &sheet(&tests, &activated)).unwrap();
+    let outcome = folder.run(&sheet(&tests, &activated)).unwrap();
     for (name, truth) in [
         ("Maxwell-Norton: exponent kappa", kappa),
         (
@@ -40,7 +40,7 @@ fn an_activation_energy_is_found_from_two_temperatures() {
         "{:?}",
         outcome.summary
     );
-    let without = attempt(folder.path(), &sheet(&tests, &norton)).unwrap();
+    let without = folder.run(&sheet(&tests, &norton)).unwrap();
     let warned = without.warnings.join(" ");
     warned.must_say("temperatures of the tests differ by 25 K");
     let untold = tests

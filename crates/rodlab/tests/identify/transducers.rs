@@ -3,16 +3,16 @@
 use rodlab::outcome::Quantity;
 
 use super::*;
-use crate::runs::Words;
+use crate::runs::{Folder, Words};
 
 /// Rods of other lengths than the stated 394 mm, and a response that is 2 % too large: the tests
 /// are refused unless these errors are stated.
 #[test]
 fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let truth = Maxwell::new(4e6).unwrap();
     for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)] {
-        let path = folder.path().join(file);
+        let path = folder.file(file);
         velocities(&truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
     }
     let maxwell = r#"cell: "4 mm", laws: [Maxwell], compare: false, profiles: false"#;
@@ -34,7 +34,7 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
 "#,
             "",
         );
-        let outcome = attempt(folder.path(), &alone).unwrap();
+        let outcome = folder.run(&alone).unwrap();
         let modulus = quantity(&outcome, "Maxwell: Young's modulus E");
         let viscosity = quantity(&outcome, "Maxwell: viscosity eta");
         let relative = |found: &Quantity| found.standard_error.unwrap() / found.value.unwrap();
@@ -77,7 +77,7 @@ fn transducers_that_err_more_than_stated_are_found() {
 /// The result of a sheet that corrects a gain and a delay which the records do not have, after a
 /// check that both are found.
 fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let tests = slow_and_fast(&folder, truth).map(|entry| {
         let channel = r#"from: "free end""#;
         entry.replace(
@@ -85,7 +85,7 @@ fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
             &format!(r#"{channel}, gain: "0.97", time_skew: "5 us""#),
         )
     });
-    let outcome = attempt(folder.path(), &sheet(&tests, QUICK)).unwrap();
+    let outcome = folder.run(&sheet(&tests, QUICK)).unwrap();
     let mut told = outcome.summary.iter().chain(&outcome.warnings);
     let found = told.find(|words| words.contains("With the transducers as stated"));
     let found = found.unwrap_or_else(|| panic!("{outcome:?}"));

@@ -3,38 +3,38 @@
 use std::path::Path;
 
 use super::*;
-use crate::runs::{Refused, Words, answered, doubts, refusal};
+use crate::runs::{Folder, Refused, Words, answered, doubts, refusal};
 
 #[test]
 fn one_hit_without_a_known_silence_is_not_allowed() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 1, 5);
     let whole = sheet(TWO_POINT, BAND);
     let cut = whole.find("cut: Trigger").unwrap();
     let end = cut + whole[cut..].find('\n').unwrap();
     let uncut = format!("{}cut: EachRecord,{}", &whole[..cut], &whole[end..]);
-    let outcome = run(folder.path(), &uncut).unwrap();
+    let outcome = folder.run(&uncut).unwrap();
     let reason = refusal(&outcome);
     insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of a single hit is always 1. If the file contains several hits, cut it by `source.hits.hits.cut`. Or state in `source.hits.silent` how long the record is silent before the impact; the errors of one hit are then determined from this silence");
     assert_eq!(outcome.figures.len(), 1);
 
     // the record begins 2 ms before the hit
     let late = whole.replace("pre_trigger: \"1 ms\"", "pre_trigger: \"5 ms\"");
-    let outcome = run(folder.path(), &late).unwrap();
+    let outcome = folder.run(&late).unwrap();
     let reason = refusal(&outcome);
     reason.must_say("Record with a pre-trigger of about a tenth of the record");
 }
 
 #[test]
 fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 4, 5);
     let turned = sheet(
         r#"TwoPoint(impacted_end: "free end", free_end: "struck end")"#,
         BAND,
     );
     let turned = turned.replace("cut: Trigger", "channel: \"struck end\", cut: Trigger");
-    let outcome = run(folder.path(), &turned).unwrap();
+    let outcome = folder.run(&turned).unwrap();
     let reason = refusal(&outcome);
     reason.must_say("number of waves in doubt");
     let warnings = &outcome.warnings;
@@ -46,7 +46,7 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "(name: \"free end\", from: 2,",
         "(name: \"free end\", from: 2, inverted: true,",
     );
-    let outcome = run(folder.path(), &inverted).unwrap();
+    let outcome = folder.run(&inverted).unwrap();
     let reasons = doubts(&outcome);
     reasons.must_begin("the polarity check fails");
     outcome.summary[0].must_say("polarity");
@@ -55,7 +55,7 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "cut: Trigger",
         "reject: [(hit: 1, because: \"slipped\"), (hit: 2, because: \"slipped\"), (hit: 3, because: \"slipped\")], cut: Trigger",
     );
-    let outcome = run(folder.path(), &all).unwrap();
+    let outcome = folder.run(&all).unwrap();
     assert!(matches!(outcome.verdict, Verdict::NotAllowed { .. }));
     outcome
         .summary
@@ -64,9 +64,9 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
 
 #[test]
 fn a_unit_that_is_wrong_by_g_is_named() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 10, 1993);
-    let warnings = |text: &str| run(folder.path(), text).unwrap().warnings.join("\n");
+    let warnings = |text: &str| folder.run(text).unwrap().warnings.join("\n");
     let right = sheet(TWO_POINT, BAND);
     let wrong = right.replace(
         "(name: \"free end\", from: 2, unit: \"V\", sensitivity: \"0.5 mV/g\")",
@@ -81,12 +81,12 @@ fn a_unit_that_is_wrong_by_g_is_named() {
 /// The loss factor is not known to 0.1 % on any line, but E' is.
 #[test]
 fn the_storage_modulus_is_stated_where_the_loss_factor_is_not_known() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 1993);
     let limits = "limits: (loss_factor: \"0.1 %\"), report_at: [\"5 kHz\"],";
     let text = sheet(TWO_POINT, &format!("{BAND}\n{limits}"));
-    let outcome = answered(run(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     assert!(is_valid(&outcome).iter().all(|valid| !valid));
     let first = &outcome.summary[0];
     first.must_begin("E' = 2.");
@@ -114,11 +114,11 @@ fn again(folder: &Path, name: &str, change: impl Fn(f64) -> f64) {
 
 #[test]
 fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 2, 7);
     let two_files =
         sheet(TWO_POINT, BAND).replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]");
-    let said = || run(folder.path(), &two_files).refused();
+    let said = || folder.run(&two_files).refused();
     again(folder.path(), "more.npy", |volts| volts);
     insta::assert_snapshot!(said(), @"hits.npy and more.npy have the same content: they are one measurement, expected independent measurements: remove one of the two from the sheet");
     again(folder.path(), "more.npy", |volts| {
@@ -126,14 +126,14 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     });
     insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
     let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
-    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"source.hits.records.channels[1].from is channel 1, expected another channel of hits.npy than channels[0]; if each channel has files of its own, state `files` in every channel");
+    insta::assert_snapshot!(folder.run(&one_channel).unwrap_err(), @"source.hits.records.channels[1].from is channel 1, expected another channel of hits.npy than channels[0]; if each channel has files of its own, state `files` in every channel");
 
     // the same hits, rounded to coarser steps
     let step = 2e-7;
     again(folder.path(), "more.npy", |volts| {
         (volts / step).round() * step
     });
-    let outcome = run(folder.path(), &two_files).unwrap();
+    let outcome = folder.run(&two_files).unwrap();
     let reasons = doubts(&outcome);
     let copies = reasons
         .iter()
@@ -144,7 +144,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     // a doubt that the copies may cause is stated after them
     let temperature = r#"temperature: (of_hits: ["20 degC", "21 degC", "22 degC", "23 degC"], reference: "20 degC", slope: "0.05 1/K ± 0.001 1/K"),"#;
     let warming = two_files.replace(BAND, &format!("{BAND} {temperature}"));
-    let outcome = run(folder.path(), &warming).unwrap();
+    let outcome = folder.run(&warming).unwrap();
     let reasons = doubts(&outcome);
     let of_slope = "the stated change of the modulus with temperature, ";
     assert!(
@@ -156,7 +156,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
 
 #[test]
 fn r10_hits_without_any_noise_are_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 1, 7);
     // the second hit is the first one filtered: it is not a copy, but the coherence is 1
     let mut bytes = fs::read(folder.path().join("hits.npy")).unwrap();
@@ -174,19 +174,19 @@ fn r10_hits_without_any_noise_are_refused() {
             number.copy_from_slice(&(samples[n] + 0.5 * before).to_le_bytes());
         }
     }
-    fs::write(folder.path().join("more.npy"), bytes).unwrap();
+    folder.write("more.npy", bytes);
     let text = sheet(TWO_POINT, BAND)
         .replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]")
         .replace("cut: Trigger(level: \"2000 m/s2\", length: \"4096 samples\", pre_trigger: \"1 ms\"),", "criteria: (double_hit: None, remainder: None, static_offset: None, level_shift: None),");
-    insta::assert_snapshot!(run(folder.path(), &text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 within rounding over 2 hits, expected hits with independent noise: the hits are copies of one hit, or were computed without noise");
+    insta::assert_snapshot!(folder.run(&text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 within rounding over 2 hits, expected hits with independent noise: the hits are copies of one hit, or were computed without noise");
 }
 
 #[test]
 fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 6, 11);
     let checked = |rest: &str| {
-        let outcome = answered(run(folder.path(), &sheet(TWO_POINT, rest)));
+        let outcome = answered(folder.run(&sheet(TWO_POINT, rest)));
         let setting = outcome
             .settings
             .iter()
@@ -209,18 +209,17 @@ fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
         "{band}"
     );
     let wrong = sheet(TWO_POINT, r#"checks: (alias_free_to: "40 kHz"),"#);
-    insta::assert_snapshot!(run(folder.path(), &wrong).unwrap_err(), @"checks.alias_free_to is 40 kHz, expected at most 32.77 kHz, the Nyquist frequency");
+    insta::assert_snapshot!(folder.run(&wrong).unwrap_err(), @"checks.alias_free_to is 40 kHz, expected at most 32.77 kHz, the Nyquist frequency");
 }
 
 #[test]
 fn what_is_wrong_is_said() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 2, 5);
-    fs::write(
-        folder.path().join("psi.csv"),
+    folder.write(
+        "psi.csv",
         "Frequency [Hz],real,imaginary\n10,1,0\n20,0.9,0.1\n30,0.8,0.1\n",
-    )
-    .unwrap();
+    );
     let ratio = |method: &str, source: &str| {
         format!(
             "Modulus(title: \"a\", specimen: (diameter: \"10 mm\", density: \"912 kg/m3\"), method: {method}, source: Ratio({source}))"
@@ -260,11 +259,10 @@ fn what_is_wrong_is_said() {
         ),
     ];
     let uneven = "path: \"errors.csv\", values: Parts(real: 1, imaginary: 2), errors: StandardError(column: 3)";
-    fs::write(
-        folder.path().join("errors.csv"),
+    folder.write(
+        "errors.csv",
         "Frequency [Hz],real,imaginary,error\n10,1,0,0.1\n20,0.9,0.1,-0.1\n30,0.8,0.1,0.1\n",
-    )
-    .unwrap();
+    );
     let more = [
         ratio(TWO_POINT, uneven),
         sheet("MultiPoint(gauges: [])", BAND),
@@ -281,7 +279,7 @@ fn what_is_wrong_is_said() {
     let messages: Vec<String> = sheets
         .iter()
         .chain(&more)
-        .map(|text| match run(folder.path(), &exact(text)) {
+        .map(|text| match folder.run(&exact(text)) {
             Ok(outcome) => format!("no error: {:?}", outcome.summary),
             Err(error) => error
                 .to_string()
@@ -299,7 +297,7 @@ fn what_is_wrong_is_said() {
     finding the modulus: least coherence is 1.2, expected a value from 0 to 1
     source is a ratio, expected hits: MultiPoint needs the spectra of all gauges
     source.ratio.errors.coherence.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
-    FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension of a length (m), expected a pure number, such as "0.094" or "9.4 %"
+    test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension of a length (m), expected a pure number, such as "0.094" or "9.4 %"
     source.ratio.values.complex (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` separately
     method.free_end.first.quantity is missing, expected `strain`, `displacement`, `velocity` or `acceleration` (in RON with a capital letter): a file with a ratio does not state the quantity
     source.ratio.errors.standard_error.column, line 2 is -0.1, expected a standard error of 0 or more

@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 
 use super::*;
 use crate::runs::{
-    Refused, Words, answered, attachments_of, doubts, estimate, figures_of, write_npy,
+    Folder, Refused, Words, answered, attachments_of, doubts, estimate, figures_of, write_npy,
 };
 
 #[test]
 fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 1993);
     let laws = r#"laws: (laws: [Zener, GeneralisedMaxwell, PowerLaw], cards: (name: "PP", poisson_ratio: "0.40", programs: [Abaqus, Ansys, LsDyna], draws: 2)),"#;
@@ -17,7 +17,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         TWO_POINT,
         &format!("{BAND}\n{laws}\nreport_at: [\"1 kHz\", \"5 kHz\", \"40 kHz\"],"),
     );
-    let outcome = run(folder.path(), &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     for sentence in outcome.summary.iter().chain(&outcome.warnings) {
         println!("{sentence}");
     }
@@ -87,7 +87,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         &text[..start],
         &text[end..]
     );
-    let other = run(folder.path(), &from_file).unwrap();
+    let other = folder.run(&from_file).unwrap();
     let first = |outcome: &Outcome| numbers(outcome, "modulus", "E'").to_vec();
     for (a, b) in first(&other).iter().zip(first(&outcome)) {
         // rounding in the file, amplified on nearly singular lines
@@ -103,7 +103,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     }
     assert!(10 * one < both, "{one} of {both}");
 
-    let again = run(folder.path(), &text).unwrap();
+    let again = folder.run(&text).unwrap();
     assert_eq!(json(&again), json(&outcome));
 }
 
@@ -112,11 +112,11 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
 /// modulus is referred to the temperature of the first hit.
 #[test]
 fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     let changes: Vec<f64> = (0..6).map(|hit| -0.0009 * f64::from(hit)).collect();
     virtual_rod::write_changing_hits(folder.path(), &changes, 7);
-    let unsaid = run(folder.path(), &sheet(TWO_POINT, BAND)).unwrap();
+    let unsaid = folder.run(&sheet(TWO_POINT, BAND)).unwrap();
     let reasons = doubts(&unsaid);
     let said = "E' changes by -0.0";
     reasons.must_begin(said);
@@ -129,7 +129,7 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
             "{BAND} temperature: (of_hits: [{}]{rest}),",
             degrees.join(", ")
         );
-        run(folder.path(), &sheet(TWO_POINT, &temperatures))
+        folder.run(&sheet(TWO_POINT, &temperatures))
     };
     let outcome = answered(at(", reference: \"20 degC\""));
     let slope = outcome
@@ -166,7 +166,7 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
     );
     let refused = at("").and_then(|_| {
         let two = format!("{BAND} temperature: (of_hits: [\"20 degC\", \"21 degC\"]),");
-        run(folder.path(), &sheet(TWO_POINT, &two))
+        folder.run(&sheet(TWO_POINT, &two))
     });
     let refused = refused.refused();
     refused.must_say("one temperature for each of the 6 hits");
@@ -177,7 +177,7 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
 /// on the free end would be absorbed by the errors of the sensors.
 #[test]
 fn errors_of_the_sensors_are_found_and_taken_out() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 1993);
     let with = |sensitivity: &str, skew: &str| {
@@ -186,7 +186,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
         text.must_say(channel);
         let changed =
             format!(r#"from: 2, unit: "V", sensitivity: "{sensitivity}", time_skew: "{skew}""#);
-        run(folder.path(), &text.replace(channel, &changed)).unwrap()
+        folder.run(&text.replace(channel, &changed)).unwrap()
     };
     let right = with("0.51 mV/g ± 2 %", "4 us ± 3 us");
     assert_eq!(right.verdict, Verdict::Answered);
@@ -211,7 +211,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
         "according to the lines, the delay between the channels is ",
         "; state it as `time_skew` of a channel, such as ",
     ]);
-    let unstated = run(folder.path(), &sheet(TWO_POINT, BAND)).unwrap();
+    let unstated = folder.run(&sheet(TWO_POINT, BAND)).unwrap();
     let advice = "State it as the ± of the channels, such as `gain` \"1 ± 1 %\" and `time_skew` \"0 us ± 5 us\".";
     assert!(
         unstated.warnings.iter().any(|said| said.ends_with(advice)),
@@ -225,7 +225,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
             r#"sensitivity: "0.5 mV/g ± 1 %""#,
         )
         .replace("2.9 gram ± 0.03 gram", "4 gram ± 0.04 gram");
-    let heavier = run(folder.path(), &text).unwrap();
+    let heavier = folder.run(&text).unwrap();
     let reasons = doubts(&heavier).join("; ");
     reasons.must_say("the error of the mass on the free end is (1.0");
     let (mass, error) = estimate(&heavier, "error of the mass on the free end, found");
@@ -240,14 +240,14 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
 /// Causal estimates from hits with a sensitivity that is 2 % off, and from moduli at resonances.
 #[test]
 fn the_causal_modulus_is_that_of_the_rod() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 1993);
     let channel = r#"from: 2, unit: "V", sensitivity: "0.5 mV/g""#;
     let wrong = r#"from: 2, unit: "V", sensitivity: "0.51 mV/g ± 2 %", time_skew: "4 us ± 3 us""#;
     let rest = format!("{BAND} causal: true,");
     let text = sheet(TWO_POINT, &rest).replace(channel, wrong);
-    let outcome = answered(run(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     let (count, z, of_loss) = check_causal(&outcome, &rod);
     let valid = is_valid(&outcome).iter().filter(|valid| **valid).count();
     assert!(count > valid, "{count} {valid}");
@@ -266,24 +266,24 @@ fn the_causal_modulus_is_that_of_the_rod() {
     assert!(outcome.figures.iter().any(|figure| figure.name == "causal"));
 
     let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
-    let outcome = run(folder.path(), &sheet(resonances, &rest)).unwrap();
+    let outcome = folder.run(&sheet(resonances, &rest)).unwrap();
     let (count, z, _) = check_causal(&outcome, &rod);
     assert!((5..20).contains(&count) && z < 2.0, "{count} {z}");
 }
 
 #[test]
 fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 7);
     let free_end = r#"FreeEnd(first: (channel: "struck end", from_free_end: "799 mm"), second: (channel: "free end", from_free_end: "0 mm"), wave_speed: "1700 m/s")"#;
     // the distances of the sections replace the length
     let text = sheet(free_end, BAND).replace(" ± 0.29 mm", "");
-    let outcome = answered(run(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     assert!(check_lines(&outcome, &rod).0 > 600);
 
     let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
-    let outcome = answered(run(folder.path(), &sheet(resonances, BAND)));
+    let outcome = answered(folder.run(&sheet(resonances, BAND)));
     let (count, _) = check_lines(&outcome, &rod);
     // kL = (n - 1/2)π up to 20 kHz
     assert!((5..20).contains(&count), "{count}");
@@ -291,7 +291,7 @@ fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() 
 
 #[test]
 fn a_ratio_of_another_program_is_taken_with_its_coherence() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     // the exact ratio cosh γL without an accelerometer
     let mut file = "Frequency [Hz],real,imaginary,coherence\n".to_owned();
@@ -302,7 +302,7 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
         let ratio = (0.8 * gamma).cosh();
         writeln!(file, "{f},{},{},0.9999", ratio.re, ratio.im).unwrap();
     }
-    fs::write(folder.path().join("psi.csv"), file).unwrap();
+    folder.write("psi.csv", file);
     let text = r#"Modulus(title: "By hand", specimen: (length: "800 mm", diameter: "10 mm", density: "912 kg/m3"),
     method: TwoPoint(impacted_end: "A", free_end: "B"),
     source: Ratio(
@@ -312,7 +312,7 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     limits: (loss_factor: "20 %", storage_modulus: "3 %"),
     lateral_inertia: (poisson_ratio: "0.40 ± 0.02"),
 )"#;
-    let outcome = answered(run(folder.path(), text));
+    let outcome = answered(folder.run(text));
     let frequency = numbers(&outcome, "modulus", "frequency").to_vec();
     let with = numbers(
         &outcome,
@@ -333,7 +333,7 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     // the error of the diameter affects E' only by the correction, to leading order with twice its
     // relative size
     let uncertain = text.replace("\"10 mm\"", "\"10 mm ± 1 %\"");
-    let found = run(folder.path(), &uncertain).unwrap();
+    let found = folder.run(&uncertain).unwrap();
     let of_diameter = numbers(&found, "budget", "diameter, of E'");
     for (line, _) in is_valid(&found).iter().enumerate().filter(|(_, v)| **v) {
         let expected = 2.0 * (1.0 - with[line] / without[line]);
@@ -347,12 +347,12 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
         );
     }
     let correction = "    lateral_inertia: (poisson_ratio: \"0.40 ± 0.02\"),\n";
-    let refused = run(folder.path(), &uncertain.replace(correction, "")).unwrap_err();
+    let refused = folder.run(&uncertain.replace(correction, "")).unwrap_err();
     let refused = refused.to_string();
     refused.must_begin("specimen.diameter is `10 mm ± 1 %`, expected the value without ±");
     refused.must_say("nor a correction of lateral inertia");
     assert_eq!(outcome.inputs[0].path, "psi.csv");
-    let again = run(folder.path(), text).unwrap();
+    let again = folder.run(text).unwrap();
     assert_eq!(json(&again), json(&outcome));
 }
 
@@ -360,9 +360,9 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
 /// more of the band valid, and the valid lines are right.
 #[test]
 fn the_rest_at_the_end_of_long_hits_is_left_out() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), 3, 7);
-    let contents = labio::format::read(folder.path().join("hits.npy")).unwrap();
+    let contents = labio::format::read(folder.file("hits.npy")).unwrap();
     let mut noise = testbed::noise::Noise::seeded(7);
     for hit in 0..3 {
         let rows = contents.series.iter().map(|series| {
@@ -376,7 +376,7 @@ fn the_rest_at_the_end_of_long_hits_is_left_out() {
             row
         });
         let rows: Vec<Vec<f64>> = rows.collect();
-        write_npy(&folder.path().join(format!("long-{hit}.npy")), &rows);
+        write_npy(&folder.file(format!("long-{hit}.npy")), &rows);
     }
     let of_tail = |tail: &str| {
         let text = sheet(TWO_POINT, BAND)
@@ -384,7 +384,7 @@ fn the_rest_at_the_end_of_long_hits_is_left_out() {
             .replace("hits: (\n", &format!("{tail} hits: (\n"));
         let start = text.find("cut:").unwrap();
         let end = start + text[start..].find('\n').unwrap();
-        let outcome = run(folder.path(), &text.replace(&text[start..end], "")).unwrap();
+        let outcome = folder.run(&text.replace(&text[start..end], "")).unwrap();
         let valid = is_valid(&outcome);
         let share = valid.iter().filter(|valid| **valid).count() as f64 / valid.len() as f64;
         (outcome, valid.len(), share)

@@ -1,7 +1,7 @@
 //! Modulus from strain gauges along a rod.
 
 use super::*;
-use crate::runs::{Words, answered, refusal};
+use crate::runs::{Folder, Words, answered, refusal};
 use crate::virtual_rod::{FAST_RATE_HZ, LongRod};
 
 /// A sheet for gauges on a rod that is free at both ends, with each hit in its own file.
@@ -33,7 +33,7 @@ fn gauge_sheet(method: &str, positions: &[(usize, &str)], rest: &str) -> String 
 
 #[test]
 fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_gauges(folder.path(), &[0.25, 0.29, 0.40, 0.48, 0.55], 5, 11);
     let five = [
@@ -44,7 +44,7 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
         (5, "550 mm"),
     ];
     let text = gauge_sheet("MultiPoint", &five, ", free_end_at: \"800 mm\"");
-    let outcome = answered(run(folder.path(), &text));
+    let outcome = answered(folder.run(&text));
     let (count, mean_square) = check_lines(&outcome, &rod);
     assert!(count > 400, "{count} {:?}", outcome.summary);
     // the errors are due to noise alone, which is measured before the hits and known to 10 %; over
@@ -61,18 +61,18 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
         &[five[0], five[1], (3, "408 mm"), five[3], five[4]],
         ", free_end_at: \"800 mm\"",
     );
-    let outcome = run(folder.path(), &moved).unwrap();
+    let outcome = folder.run(&moved).unwrap();
     let reason = refusal(&outcome);
     reason.must_say("two waves do not explain the gauges");
 
     let three = gauge_sheet("ThreePoint", &[five[0], five[2], five[4]], "");
-    let outcome = answered(run(folder.path(), &three));
+    let outcome = answered(folder.run(&three));
     assert!(check_lines(&outcome, &rod).0 > 200);
 }
 
 #[test]
 fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let rod = LongRod {
         length: 3.0,
         stiffness: 2.6e9,
@@ -101,7 +101,7 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
     let two = r#"SeparatePulses(first: (channel: "first", from: "1.4 ms", to: "2.3 ms"), second: (channel: "second", from: "2.0 ms", to: "3.0 ms"), distance: "1000 mm ± 0.5 mm")"#;
     let one = r#"OneGauge(section: (channel: "second", from_free_end: "1000 mm"), incident: ("2.0 ms", "3.0 ms"), reflected: ("3.2 ms", "4.3 ms"))"#;
     for (method, fewest) in [(two, 10), (one, 10)] {
-        let outcome = answered(run(folder.path(), &sheet(method)));
+        let outcome = answered(folder.run(&sheet(method)));
         let frequency = numbers(&outcome, "modulus", "frequency");
         let storage = numbers(&outcome, "modulus", "E'");
         let loss = numbers(&outcome, "modulus", "loss factor");
@@ -129,6 +129,6 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
         r#"from: "2.0 ms", to: "3.0 ms""#,
         r#"from: "3.0 ms", to: "4.2 ms""#,
     );
-    let said = json(&run(folder.path(), &sheet(&later)).unwrap());
+    let said = json(&folder.run(&sheet(&later)).unwrap());
     said.must_say("the windows `first` and `second` lies another pulse");
 }

@@ -4,7 +4,7 @@ use rodlab::Outcome;
 use rodlab::outcome::Cells;
 
 use super::*;
-use crate::runs::{copy_example, outcome_of};
+use crate::runs::Folder;
 
 /// A sheet of records with a force and an acceleration from the files of these lists.
 fn pair(of_force: &str, of_motion: &str) -> String {
@@ -42,16 +42,15 @@ fn bits(outcome: &Outcome) -> Vec<(String, Vec<u64>)> {
 /// The results are equal to the last digit whether a file contains one channel or two.
 #[test]
 fn results_are_those_of_joined_files_to_the_bit() {
-    let folder = tempfile::tempdir().unwrap();
-    copy_example("polypropylene", folder.path());
+    let folder = Folder::of_example("polypropylene");
     for hit in 1..=5 {
-        let path = folder.path().join(format!("hits-{hit}.npy"));
+        let path = folder.file(format!("hits-{hit}.npy"));
         let contents = format::read(path).unwrap();
         for (name, series) in ["struck", "free"].into_iter().zip(&contents.series) {
             let Ordinate::Real(samples) = &series.ordinate else {
                 panic!("complex samples")
             };
-            write_npy(&folder.path().join(format!("{name}-{hit}.npy")), &[samples]);
+            write_npy(&folder.file(format!("{name}-{hit}.npy")), &[samples]);
         }
     }
     let joined = r#"records: (files: ["hits-*.npy"], sampling_rate: "65.536 kHz", channels: [
@@ -78,7 +77,7 @@ fn results_are_those_of_joined_files_to_the_bit() {
     let sheets: [&dyn Fn(&str) -> String; 2] = [&frf, &modulus];
     for sheet in sheets {
         let [of_joined, of_separate] =
-            [joined, separate].map(|text| outcome_of(folder.path(), &sheet(text)).unwrap());
+            [joined, separate].map(|text| folder.run(&sheet(text)).unwrap());
         let [expected, found] = [&of_joined, &of_separate].map(bits);
         assert!(expected.iter().map(|(_, bits)| bits.len()).sum::<usize>() > 1000);
         assert_eq!(found, expected);
@@ -101,7 +100,7 @@ fn results_are_those_of_joined_files_to_the_bit() {
 /// Files are paired if the names of forces and the names of motions are ordered differently.
 #[test]
 fn files_are_paired_by_the_matched_text_and_not_by_their_order() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let here = folder.path();
     assert!("10a.npy" < "1a.npy" && "1-b.npy" < "10-b.npy");
     for hit in [1.0, 2.0, 10.0] {
@@ -150,13 +149,13 @@ fn files_are_paired_by_the_matched_text_and_not_by_their_order() {
 
 #[test]
 fn two_channels_of_three_may_share_a_file() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for hit in 1..=2_u8 {
         let peak = f64::from(hit);
         let both: [&[f64]; 2] = [&[0.0, peak, 0.0], &[0.0, 10.0 * peak, 0.0]];
-        write_npy(&folder.path().join(format!("both-{hit}.npy")), &both);
+        write_npy(&folder.file(format!("both-{hit}.npy")), &both);
         let alone: [&[f64]; 1] = [&[0.0, 100.0 * peak, 0.0]];
-        write_npy(&folder.path().join(format!("alone-{hit}.npy")), &alone);
+        write_npy(&folder.file(format!("alone-{hit}.npy")), &alone);
     }
     let sheet = r#"(sampling_rate: "1 kHz", channels: [
         (name: "a", files: ["both-*.npy"], from: 1, unit: "V", sensitivity: "1 mV/N"),
@@ -182,7 +181,7 @@ fn two_channels_of_three_may_share_a_file() {
 
 #[test]
 fn a_sample_lost_in_one_file_leaves_out_the_hit() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for hit in 1..=3_u8 {
         let peak = f64::from(hit);
         write_peak(folder.path(), &format!("a-{hit}.npy"), peak);
@@ -220,7 +219,7 @@ fn of_universal(of_force: &str, of_motion: &str) -> String {
 
 #[test]
 fn files_with_several_records_are_paired_record_by_record() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let here = folder.path();
     let all = |name: &str, unit: &str, sign: f64| -> Vec<Series> {
         let peaks = [1.0, 2.0, 3.0].into_iter();
@@ -246,7 +245,7 @@ fn files_with_several_records_are_paired_record_by_record() {
 
 #[test]
 fn files_that_are_no_pairs_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let here = folder.path();
     let write = |name: &str, of: &str, unit: &str, step: f64, samples: &[f64]| {
         write_universal(here, name, vec![series(of, unit, step, samples)]);

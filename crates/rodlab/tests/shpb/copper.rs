@@ -7,10 +7,10 @@ use std::path::Path;
 
 use rodlab::Outcome;
 use rodwave::fourier::RealFourier;
-use tempfile::TempDir;
 use testbed::measured;
 
 use super::{column, quantity, run, write_columns};
+use crate::runs::Folder;
 
 const NAME: &str = "copper/gauge_strain_records.csv";
 const GAUGES: [&str; 2] = [
@@ -251,7 +251,7 @@ fn hopkinson_copper_has_the_velocities_of_its_faces() {
     let Some(elements) = Elements::read() else {
         return;
     };
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let velocities = |times: &[f64]| {
         ["incident", "transmitted"].map(|face| {
             let name = format!("{face}_end_mean_v3_mm_per_s");
@@ -308,7 +308,7 @@ fn hopkinson_copper_has_another_stress_than_its_reference() {
     let Some(elements) = Elements::read() else {
         return;
     };
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let times = elements.column("time_s");
     let gauges = GAUGES.map(|name| elements.at_even_times(name, &times));
     let outcome = evaluated(folder.path(), &gauges, r#"poisson_ratio: "0.3","#);

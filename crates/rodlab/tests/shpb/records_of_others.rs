@@ -3,24 +3,23 @@
 use std::fs;
 
 use rodlab::Outcome;
-use tempfile::TempDir;
 use testbed::measured;
 
 use super::{column, run};
-use crate::runs::{Words, without_formats};
+use crate::runs::{Folder, Words, without_formats};
 
 /// The outcome of a sheet in a folder with copies of measured files; prints a message and returns
 /// `None` if they do not exist.
 fn outcome(files: &[&str], sheet: &str) -> Option<Outcome> {
     let data = measured::folder()?;
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     for file in files {
         let path = data.join("shpb").join(file);
         if !path.exists() {
             println!("skipped: {} does not exist", path.display());
             return None;
         }
-        fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        fs::copy(&path, folder.file(path.file_name().unwrap())).unwrap();
     }
     let outcome = run(folder.path(), sheet).unwrap();
     println!("{:?}\n{:?}", outcome.verdict, outcome.summary);

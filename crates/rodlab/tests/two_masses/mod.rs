@@ -5,17 +5,12 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rodlab::RodlabError;
-use rodlab::job::{self, Sheet, Silent, parse};
-use rodlab::outcome::Outcome;
 
 use crate::runge_kutta::after_step;
-pub(crate) use crate::runs::{column, json, quantity, words};
 
 pub(crate) const RATE: f64 = 51_200.0;
 pub(crate) const SAMPLES: usize = 2048;
@@ -139,14 +134,4 @@ pub(crate) fn strike(folder: &Path, prefix: &str, body: Body, hammer: Hammer) {
         }
         fs::write(folder.join(format!("{prefix}{hit}.csv")), text).unwrap();
     }
-}
-
-pub(crate) fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("test.ron");
-    let sheet = Sheet {
-        job: parse(Path::new("test.ron"), text)?,
-        path,
-        text: text.to_owned(),
-    };
-    job::run(&sheet, &Silent, &AtomicBool::new(false))
 }
