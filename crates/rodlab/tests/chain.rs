@@ -326,8 +326,7 @@ fn chain_names_what_is_wrong() {
         ),
         (r#"(law: Elastic(modulus: "3 GPa"))"#, "no density"),
     ] {
-        let refused = with(material).refused();
-        refused.must_say(said);
+        with(material).refused().must_say(said);
     }
     let computed = r#"Mobility(title: "x", materials: {"nylon": (law: Result("material.json"))},
         source: Computed(body: LongRod(material: "nylon", diameter: "20 mm"), up_to: "10 kHz", lines: 100))"#;

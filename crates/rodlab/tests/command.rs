@@ -68,8 +68,7 @@ fn init_replaces_nothing() {
     folder.done("init force");
     let written = folder.read("force.toml");
     written.must_begin("#");
-    let said = refused(&folder, "init force");
-    said.must_begin("status 2\nerror: cannot write force.toml: ");
+    refused(&folder, "init force").must_begin("status 2\nerror: cannot write force.toml: ");
     assert_eq!(folder.read("force.toml"), written);
 }
 
@@ -107,8 +106,7 @@ fn completions_and_manual_pages_know_every_command() {
     let completions = folder.rodlab("completions bash");
     text(&completions.stdout).must_say("identify");
     folder.done("man pages");
-    let page = folder.read("pages/rodlab-batch.1");
-    page.must_say("resume");
+    folder.read("pages/rodlab-batch.1").must_say("resume");
     let help = text(&folder.rodlab("--help").stdout);
     for line in help
         .lines()
@@ -212,8 +210,7 @@ fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
     let folder = folder_with(&[("hit.ron", stiff.as_str())]);
     let run = folder.rodlab("force hit.ron");
     assert_eq!(run.status.code(), Some(1));
-    let said = text(&run.stderr);
-    said.must_begin("not allowed: the time step is too long for the contact");
+    text(&run.stderr).must_begin("not allowed: the time step is too long for the contact");
     // the partial results are there nevertheless
     assert!(folder.has("hit-result/result.json"));
 }
@@ -256,16 +253,13 @@ fn a_recording_is_inspected_and_converted() {
     assert!(serde_json::from_slice::<serde_json::Value>(&json.stdout).is_ok());
 
     folder.done("convert hit.csv hit.uff --binary");
-    let again = text(&folder.rodlab("inspect hit.uff").stdout);
-    again.must_say_all(&["force", "1 kHz"]);
-    let said = refused(&folder, "convert hit.csv hit.xyz");
-    said.must_begin("status 2\nerror: ");
+    text(&folder.rodlab("inspect hit.uff").stdout).must_say_all(&["force", "1 kHz"]);
+    refused(&folder, "convert hit.csv hit.xyz").must_begin("status 2\nerror: ");
     assert!(!folder.has("hit.xyz"));
     let said = refused(&folder, "inspect nothing.csv");
     said.must_begin("status 2\nerror: cannot read nothing.csv");
     folder.write("hit.ron", FORCE);
-    let said = refused(&folder, "inspect hit.ron");
-    said.must_begin(
+    refused(&folder, "inspect hit.ron").must_begin(
         "status 2\nerror: hit.ron is a test sheet, expected a recording: `rodlab check hit.ron`",
     );
     let said = refused(&folder, "init");
@@ -290,8 +284,7 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
     let result = folder.file("results/result.json");
     let earlier = fs::read(&result).unwrap();
     let call = "frf hit.csv --input 1 --output 2";
-    let said = refused(&folder, &format!("{call} --out results"));
-    said.must_say_all(&[
+    refused(&folder, &format!("{call} --out results")).must_say_all(&[
         "frf.toml, the sheet of this command, was removed",
         "the result in results is an earlier one",
         "error: the unit in `--output 2:UNIT` is not stated",

@@ -570,8 +570,7 @@ fn a_material_that_is_not_simple_is_in_doubt() {
     };
     sweep.write(&folder.file("sweep.csv"), 17);
     let outcome = folder.run(&sweep.sheet("")).unwrap();
-    let said = reasons(&outcome);
-    said.must_say(
+    reasons(&outcome).must_say(
         "the temperatures do not form a single curve within the stated errors: chi-square",
     );
 }

@@ -211,8 +211,7 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
     );
     let said = outcome.summary.last().unwrap();
     said.must_begin("Of the 2 planned tests, the test `30 m/s` is the most informative: ");
-    let wrong = planned("").refused();
-    wrong.must_begin("next is no planned test");
+    planned("").refused().must_begin("next is no planned test");
     let rods = r#"rods: (lengths: ["20 cm", "8 mm"], gaps: ["8 mm"], diameter: "16 mm", strikers: [(length: "30 mm",
         diameter: "16 mm", density: "2700 kg/m3", modulus: "69 GPa")])"#;
     let next = format!(r#"next: (velocities: ["10 m/s"], {rods}), {QUICK}"#);
@@ -244,8 +243,7 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
         folder.run(&sheet(&tests, &more)).unwrap()
     };
     let norton = of("Norton");
-    let reason = refusal(&norton);
-    reason.must_say("recorder");
+    refusal(&norton).must_say("recorder");
     for name in ["Young's modulus E", "exponent kappa"] {
         let found = quantity(&norton, &format!("Maxwell-Norton: {name}"));
         assert!(
@@ -333,8 +331,7 @@ fn a_stated_recorder_is_part_of_the_model() {
     }
     let twice = test_entry("slow.csv", "3 m/s", r#"cutoff: "16 kHz""#);
     let more = r#"recorder: LinearPhase(cutoff: "16 kHz"), compare: false"#;
-    let said = refused(folder.path(), &sheet(&[twice], more));
-    said.must_say("tests[0].cutoff");
+    refused(folder.path(), &sheet(&[twice], more)).must_say("tests[0].cutoff");
 }
 
 /// The named law has values with errors, even if it is linear; the values of the other laws are not

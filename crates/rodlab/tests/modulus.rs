@@ -48,6 +48,13 @@ fn sheet(method: &str, rest: &str) -> String {
     )
 }
 
+/// `hits.npy` with so many hits on the rod.
+fn hits(count: usize, seed: u64) -> Folder {
+    let folder = Folder::new();
+    virtual_rod::write_hits(folder.path(), count, seed);
+    folder
+}
+
 const TWO_POINT: &str = r#"TwoPoint(impacted_end: "struck end", free_end: "free end")"#;
 const BAND: &str = r#"band: (from: "50 Hz", to: "20 kHz"),"#;
 
@@ -157,8 +164,7 @@ fn the_template_is_a_sheet_that_runs() {
     answered(folder.run(&causal));
     let with_inertia = causal.replace("    // lateral_inertia: (", "    lateral_inertia: (");
     let outcome = folder.run(&with_inertia).unwrap();
-    let reasons = doubts(&outcome);
-    reasons[0].must_say("contradict every relaxing material");
+    doubts(&outcome)[0].must_say("contradict every relaxing material");
     let optional = template
         .replace("    // limits: (", "    limits: (")
         .replace("    // lateral_inertia: (", "    lateral_inertia: (")

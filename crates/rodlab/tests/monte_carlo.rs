@@ -113,8 +113,7 @@ fn what_cannot_be_drawn_is_refused() {
     let refused = |name: &str, sheet: &str, draws, change: &dyn Fn(&str) -> String| {
         drawn(name, sheet, draws, change).refused()
     };
-    let few = refused("cone", "force.ron", 5, &str::to_owned);
-    few.must_say("at least 20 draws");
+    refused("cone", "force.ron", 5, &str::to_owned).must_say("at least 20 draws");
     let unknown = refused("epoxy", "fit.ron", 100, &|text| {
         let (before, rest) = text.split_once("errors:").unwrap();
         let (_, after) = rest.split_once('\n').unwrap();

@@ -119,8 +119,7 @@ fn r19_a_result_of_another_program_opens_no_folder() {
         for name in names {
             folder.write(name, contents(name));
         }
-        let error = refused(&rich::outcome(), folder.path());
-        error.must_say("no earlier result lists it");
+        refused(&rich::outcome(), folder.path()).must_say("no earlier result lists it");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), names.len());
         for name in names {
             let there = folder.read(name);
@@ -135,8 +134,7 @@ fn r21_columns_that_differ_in_length_are_refused() {
     let column = rodlab::outcome::Column::numbers("one row", "", vec![1.0]);
     outcome.tables[0].columns.push(column);
     let folder = Folder::new();
-    let error = refused(&outcome, folder.path());
-    error.must_say("`one row` has 1 rows, expected ");
+    refused(&outcome, folder.path()).must_say("`one row` has 1 rows, expected ");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

@@ -209,8 +209,7 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
         )
     };
     let stated = folder.run(&text("")).unwrap();
-    let reasons = doubts(&stated);
-    reasons[0].must_begin("the readings scatter more about the model");
+    doubts(&stated)[0].must_begin("the readings scatter more about the model");
     let by_scatter = answered(folder.run(&text("error_scale: FromResidual")));
     let error = |outcome: &Outcome| {
         let m = outcome.quantities.iter().find(|q| q.name == "exponent (m)");

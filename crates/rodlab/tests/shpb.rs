@@ -441,8 +441,7 @@ fn hopkinson_virtual_shot_comes_back() {
         (plan.replace("[\"900 mm\"]", "[\"1900 mm\"]"), "less than the length of the bar"),
         (plan.replace("[\"900 mm\"]", "[]"), "0 gauges, expected one or two"),
     ] {
-        let said = folder.run(&wrong).refused();
-        said.must_say(words);
+        folder.run(&wrong).refused().must_say(words);
     }
 }
 

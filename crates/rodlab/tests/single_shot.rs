@@ -159,8 +159,7 @@ fn a_mass_on_the_end_is_its_condition() {
         r#"(channel: "g2", at: "2000 mm"), (channel: "g2", at: "2200 mm")"#,
     );
     let three = with_mass(&sheet(&three, STRAINS, SILENT), "20 gram ± 0.4 gram");
-    let refused = folder.run(&three).refused();
-    refused.must_say("accelerometer_mass");
+    folder.run(&three).refused().must_say("accelerometer_mass");
 }
 
 /// Pulses that have passed before a reflection returns: a short impact, and gauges far from the

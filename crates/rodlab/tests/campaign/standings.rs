@@ -142,6 +142,5 @@ fn r10_one_shot_under_two_names_is_no_second_test() {
     fs::copy(example.join("shots-1.csv"), folder.file("shots-2.csv")).unwrap();
     let run = folder.rodlab("check identify.ron");
     assert_eq!(run.status.code(), Some(2));
-    let said = text(&run.stderr);
-    said.must_say("shots-1.csv and shots-2.csv have the same content");
+    text(&run.stderr).must_say("shots-1.csv and shots-2.csv have the same content");
 }

@@ -131,8 +131,7 @@ fn a_ramp_that_is_forgotten_is_seen() {
     let folder = folder();
     let outcome = fitted(&folder, &RELAXATION.replace(r#"ramp: "12 s", "#, ""));
     let doubt = "no law explains the moduli within their stated errors";
-    let said = super::reasons(&outcome);
-    said.must_say(doubt);
+    super::reasons(&outcome).must_say(doubt);
     let mut files = outcome.attachments.iter();
     let material = files.find(|file| file.name == "material.json").unwrap();
     let material = String::from_utf8(material.bytes.clone()).unwrap();

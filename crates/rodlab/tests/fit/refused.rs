@@ -188,8 +188,7 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
         let outcome = run(folder.path(), &sheet).unwrap();
         let said = outcome.summary.join("\n");
         said.must_say("9 rows that repeat a frequency");
-        let found = format!("{:?}", outcome.verdict);
-        found.must_begin(verdict);
+        format!("{:?}", outcome.verdict).must_begin(verdict);
         let data = crate::runs::table(&outcome, "data");
         assert_eq!(data.columns[0].cells.len(), 3);
     }
@@ -203,8 +202,7 @@ fn rows_that_are_stored_twice_count_once() {
     let table = format!("f,E',E'',T\nHz,MPa,MPa,degC\n{rows}{rows}");
     folder.write("t.csv", table);
     let outcome = run(folder.path(), SHEET).unwrap();
-    let said = outcome.warnings.join("\n");
-    said.must_say_all(&[
+    outcome.warnings.join("\n").must_say_all(&[
         "3 row(s) agree in every digit with another row",
         "first t.csv, line 6 with t.csv, line 3",
     ]);

@@ -409,8 +409,7 @@ fn a_force_that_saturates_and_another_body_are_found_over_the_hits() {
         }
     };
     write_changed(folder.path(), lighter, |_, x| x);
-    let doubts = doubts_of(folder.path());
-    doubts.must_begin(
+    doubts_of(folder.path()).must_begin(
         "the response of `struck end` up to hit 4 differs from that of hit 5 and later hits by ",
     );
 }

@@ -201,8 +201,7 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
     // a wrong weighed mass does not agree with the lines
     let wrong = text.replace("2 kg ± 1 gram", "2.5 kg ± 1 gram");
     let outcome = run(folder.path(), &wrong).unwrap();
-    let reasons = doubts(&outcome);
-    reasons[0].must_say("the difference is larger than their errors explain");
+    doubts(&outcome)[0].must_say("the difference is larger than their errors explain");
 }
 
 #[test]

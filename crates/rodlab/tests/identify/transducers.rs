@@ -57,8 +57,7 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
 
     let without =
         sheet(&[test_entry("slow.csv", "3 m/s", "")], maxwell).replace("specimen:", "// ");
-    let refusal = refused(folder.path(), &without);
-    refusal.must_say("tests[0].specimen");
+    refused(folder.path(), &without).must_say("tests[0].specimen");
 }
 
 #[test]

@@ -7,8 +7,7 @@ use crate::runs::{Folder, Refused, Words, answered, doubts, refusal};
 
 #[test]
 fn one_hit_without_a_known_silence_is_not_allowed() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 1, 5);
+    let folder = hits(1, 5);
     let whole = sheet(TWO_POINT, BAND);
     let cut = whole.find("cut: Trigger").unwrap();
     let end = cut + whole[cut..].find('\n').unwrap();
@@ -21,22 +20,19 @@ fn one_hit_without_a_known_silence_is_not_allowed() {
     // the record begins 2 ms before the hit
     let late = whole.replace("pre_trigger: \"1 ms\"", "pre_trigger: \"5 ms\"");
     let outcome = folder.run(&late).unwrap();
-    let reason = refusal(&outcome);
-    reason.must_say("Record with a pre-trigger of about a tenth of the record");
+    refusal(&outcome).must_say("Record with a pre-trigger of about a tenth of the record");
 }
 
 #[test]
 fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 4, 5);
+    let folder = hits(4, 5);
     let turned = sheet(
         r#"TwoPoint(impacted_end: "free end", free_end: "struck end")"#,
         BAND,
     );
     let turned = turned.replace("cut: Trigger", "channel: \"struck end\", cut: Trigger");
     let outcome = folder.run(&turned).unwrap();
-    let reason = refusal(&outcome);
-    reason.must_say("number of waves in doubt");
+    refusal(&outcome).must_say("number of waves in doubt");
     let warnings = &outcome.warnings;
     let mistake = "if the channels of the two ends were interchanged: interchange";
     warnings.must_say(mistake);
@@ -47,8 +43,7 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
         "(name: \"free end\", from: 2, inverted: true,",
     );
     let outcome = folder.run(&inverted).unwrap();
-    let reasons = doubts(&outcome);
-    reasons.must_begin("the polarity check fails");
+    doubts(&outcome).must_begin("the polarity check fails");
     outcome.summary[0].must_say("polarity");
     // all hits are rejected by hand
     let all = sheet(TWO_POINT, BAND).replace(
@@ -64,8 +59,7 @@ fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
 
 #[test]
 fn a_unit_that_is_wrong_by_g_is_named() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 10, 1993);
+    let folder = hits(10, 1993);
     let warnings = |text: &str| folder.run(text).unwrap().warnings.join("\n");
     let right = sheet(TWO_POINT, BAND);
     let wrong = right.replace(
@@ -81,9 +75,8 @@ fn a_unit_that_is_wrong_by_g_is_named() {
 /// The loss factor is not known to 0.1 % on any line, but E' is.
 #[test]
 fn the_storage_modulus_is_stated_where_the_loss_factor_is_not_known() {
-    let folder = Folder::new();
+    let folder = hits(10, 1993);
     let rod = virtual_rod::polypropylene();
-    virtual_rod::write_hits(folder.path(), 10, 1993);
     let limits = "limits: (loss_factor: \"0.1 %\"), report_at: [\"5 kHz\"],";
     let text = sheet(TWO_POINT, &format!("{BAND}\n{limits}"));
     let outcome = answered(folder.run(&text));
@@ -114,8 +107,7 @@ fn again(folder: &Path, name: &str, change: impl Fn(f64) -> f64) {
 
 #[test]
 fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 2, 7);
+    let folder = hits(2, 7);
     let two_files =
         sheet(TWO_POINT, BAND).replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]");
     let said = || folder.run(&two_files).refused();
@@ -183,8 +175,7 @@ fn r10_hits_without_any_noise_are_refused() {
 
 #[test]
 fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 6, 11);
+    let folder = hits(6, 11);
     let checked = |rest: &str| {
         let outcome = answered(folder.run(&sheet(TWO_POINT, rest)));
         let setting = outcome
@@ -214,8 +205,7 @@ fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
 
 #[test]
 fn what_is_wrong_is_said() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 2, 5);
+    let folder = hits(2, 5);
     folder.write(
         "psi.csv",
         "Frequency [Hz],real,imaginary\n10,1,0\n20,0.9,0.1\n30,0.8,0.1\n",

@@ -9,9 +9,8 @@ use crate::runs::{
 
 #[test]
 fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
-    let folder = Folder::new();
+    let folder = hits(10, 1993);
     let rod = virtual_rod::polypropylene();
-    virtual_rod::write_hits(folder.path(), 10, 1993);
     let laws = r#"laws: (laws: [Zener, GeneralisedMaxwell, PowerLaw], cards: (name: "PP", poisson_ratio: "0.40", programs: [Abaqus, Ansys, LsDyna], draws: 2)),"#;
     let text = sheet(
         TWO_POINT,
@@ -177,9 +176,8 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
 /// on the free end would be absorbed by the errors of the sensors.
 #[test]
 fn errors_of_the_sensors_are_found_and_taken_out() {
-    let folder = Folder::new();
+    let folder = hits(10, 1993);
     let rod = virtual_rod::polypropylene();
-    virtual_rod::write_hits(folder.path(), 10, 1993);
     let with = |sensitivity: &str, skew: &str| {
         let channel = r#"from: 2, unit: "V", sensitivity: "0.5 mV/g""#;
         let text = sheet(TWO_POINT, BAND);
@@ -240,9 +238,8 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
 /// Causal estimates from hits with a sensitivity that is 2 % off, and from moduli at resonances.
 #[test]
 fn the_causal_modulus_is_that_of_the_rod() {
-    let folder = Folder::new();
+    let folder = hits(10, 1993);
     let rod = virtual_rod::polypropylene();
-    virtual_rod::write_hits(folder.path(), 10, 1993);
     let channel = r#"from: 2, unit: "V", sensitivity: "0.5 mV/g""#;
     let wrong = r#"from: 2, unit: "V", sensitivity: "0.51 mV/g ± 2 %", time_skew: "4 us ± 3 us""#;
     let rest = format!("{BAND} causal: true,");
@@ -261,8 +258,7 @@ fn the_causal_modulus_is_that_of_the_rod() {
         .summary
         .iter()
         .find(|s| s.starts_with("Causal estimate of"));
-    let said = said.unwrap();
-    said.must_say("delay between the channels");
+    said.unwrap().must_say("delay between the channels");
     assert!(outcome.figures.iter().any(|figure| figure.name == "causal"));
 
     let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
@@ -273,9 +269,8 @@ fn the_causal_modulus_is_that_of_the_rod() {
 
 #[test]
 fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() {
-    let folder = Folder::new();
+    let folder = hits(10, 7);
     let rod = virtual_rod::polypropylene();
-    virtual_rod::write_hits(folder.path(), 10, 7);
     let free_end = r#"FreeEnd(first: (channel: "struck end", from_free_end: "799 mm"), second: (channel: "free end", from_free_end: "0 mm"), wave_speed: "1700 m/s")"#;
     // the distances of the sections replace the length
     let text = sheet(free_end, BAND).replace(" ± 0.29 mm", "");
@@ -360,8 +355,7 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
 /// more of the band valid, and the valid lines are right.
 #[test]
 fn the_rest_at_the_end_of_long_hits_is_left_out() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 3, 7);
+    let folder = hits(3, 7);
     let contents = labio::format::read(folder.file("hits.npy")).unwrap();
     let mut noise = testbed::noise::Noise::seeded(7);
     for hit in 0..3 {

@@ -61,9 +61,7 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
         &[five[0], five[1], (3, "408 mm"), five[3], five[4]],
         ", free_end_at: \"800 mm\"",
     );
-    let outcome = folder.run(&moved).unwrap();
-    let reason = refusal(&outcome);
-    reason.must_say("two waves do not explain the gauges");
+    refusal(&folder.run(&moved).unwrap()).must_say("two waves do not explain the gauges");
 
     let three = gauge_sheet("ThreePoint", &[five[0], five[2], five[4]], "");
     let outcome = answered(folder.run(&three));

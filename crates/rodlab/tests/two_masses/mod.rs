@@ -11,6 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::runge_kutta::after_step;
+use crate::runs::Folder;
 
 pub(crate) const RATE: f64 = 51_200.0;
 pub(crate) const SAMPLES: usize = 2048;
@@ -134,4 +135,11 @@ pub(crate) fn strike(folder: &Path, prefix: &str, body: Body, hammer: Hammer) {
         }
         fs::write(folder.join(format!("{prefix}{hit}.csv")), text).unwrap();
     }
+}
+
+/// A folder with these hits.
+pub(crate) fn struck(prefix: &str, body: Body, hammer: Hammer) -> Folder {
+    let folder = Folder::new();
+    strike(folder.path(), prefix, body, hammer);
+    folder
 }
