@@ -1,17 +1,16 @@
 //! The force when a measured body meets another: the body is struck by a virtual hammer first, and
 //! the impact is integrated in time.
 
-use std::fs;
-use std::path::Path;
+use std::fmt::Write as _;
 
 use rodlab::outcome::{Outcome, Verdict};
 use rodlab::output::{SheetIdentity, write};
 
 use crate::runge_kutta::after_step;
 use crate::runs::{
-    Folder, Refused, Words, answered, column, figures_of, json, outcome_of, quantity, tables_of,
+    Folder, Refused, Words, answered, column, doubts, estimate, figures_of, quantity, tables_of,
 };
-use crate::two_masses::{BODY, HAMMER, Hammer, strike};
+use crate::two_masses::{BODY, HAMMER, Hammer, struck};
 
 const VELOCITY: f64 = 2.0;
 const IMPEDANCE: f64 = 1000.0;
@@ -22,18 +21,14 @@ fn measure(folder: &Path) -> Outcome {
         pulse: 0.2e-3,
         ..HAMMER
     };
-    strike(folder, "hit", BODY, hammer);
-    let outcome = outcome_of(
-        folder,
-        r#"Mobility(title: "two masses", source: Hits(
+    let folder = struck("hit", BODY, hammer);
+    let text = r#"Mobility(title: "two masses", source: Hits(
             records: (files: ["hit*.csv"], channels: [(name: "hammer", from: "force"), (name: "face", from: "acceleration")]),
             force: "hammer", response: "face"),
-            support: Free(mass: "1.5 kg ± 1 gram"), up_to: "6 kHz", complete: (below: "100 Hz", fitted_to: "400 Hz"))"#,
-    )
-    .unwrap();
-    let file = &outcome.attachments[0];
-    fs::write(folder.join("body.uff"), &file.bytes).unwrap();
-    outcome
+            support: Free(mass: "1.5 kg ± 1 gram"), up_to: "6 kHz", complete: (below: "100 Hz", fitted_to: "400 Hz"))"#;
+    let outcome = folder.run(text).unwrap();
+    folder.write("body.uff", &outcome.attachments[0].bytes);
+    (folder, outcome)
 }
 
 /// Force at steps of 1 µs between the two masses, moving with [`VELOCITY`], and a long rod while
@@ -74,25 +69,24 @@ const FRONT: &str = r#", front_impedance: "1e9 kg/s""#;
 
 #[test]
 fn r05_without_a_front_impedance_the_force_is_had_on_lines_only() {
-    let folder = Folder::new();
-    measure(folder.path());
+    let folder = measured();
     let outcome = answered(folder.run(&sheet(FIRST, "uncertainty: (draws: 60)")));
-    let names: Vec<&str> = outcome.quantities.iter().map(|q| q.name.as_str()).collect();
-    assert!(!names.contains(&"peak force") && !names.contains(&"end of the last contact"));
+    let march = ["peak force", "end of the last contact"];
+    let mut quantities = outcome.quantities.iter();
+    assert!(!quantities.any(|q| march.contains(&q.name.as_str())));
     assert_eq!(tables_of(&outcome), "force, stick_force");
     outcome.warnings.must_say("front_impedance");
     outcome.summary[0].must_begin("On lines up to 6 kHz");
     // jobs that need time marching are refused
     for rest in [r#"contact: Linear("20 MN/m")"#, r#"time_step: "1 us""#] {
-        let refused = folder.run(&sheet(FIRST, rest)).refused();
-        refused.must_say("front_impedance");
+        let run = folder.run(&sheet(FIRST, rest));
+        run.refused().must_say("front_impedance");
     }
 }
 
 #[test]
 fn a_measured_body_presses_as_the_body_itself() {
-    let folder = Folder::new();
-    measure(folder.path());
+    let folder = measured();
     let text = sheet(&format!("{FIRST}{FRONT}"), "uncertainty: (draws: 60)");
     let outcome = answered(folder.run(&text));
     let exact = truth(5e-3);
@@ -104,11 +98,8 @@ fn a_measured_body_presses_as_the_body_itself() {
         // because the band ends at 6 kHz, the initial jump of 2 kN rings; after 0.5 ms the
         // remainder is 1/(2 pi 6 kHz 0.5 ms) = 5 % of it
         if *t > 0.5e-3 && *t < 4.9e-3 {
-            assert!(
-                (f - at(*t)).abs() < 0.03 * 2e3,
-                "{t}: {f}, exact {}",
-                at(*t)
-            );
+            let exact = at(*t);
+            assert!((f - exact).abs() < 0.03 * 2e3, "{t}: {f}, exact {exact}");
         }
     }
     // the stick force, computed on frequency lines, with its errors
@@ -130,30 +121,23 @@ fn a_measured_body_presses_as_the_body_itself() {
     // the ringing due to the band limit is not a random error, but the wide band due to a scale
     // error of 1 % covers most of it
     assert!(n_inside * 10 > n_all * 7, "{n_inside} of {n_all}");
-    let peak = quantity(&outcome, "peak of the stick force on lines");
-    assert!(
-        peak.standard_error.unwrap() > 0.005 * peak.value.unwrap(),
-        "{peak:?}"
-    );
+    let (peak, error) = estimate(&outcome, "peak of the stick force on lines");
+    assert!(error > 0.005 * peak, "{peak} {error}");
     assert!(quantity(&outcome, "problem.first: lines that make energy").valid);
     assert_eq!(
         figures_of(&outcome),
         "force, faces, energies, sources, mobilities, stick_force"
     );
-    let seed = outcome
-        .settings
-        .iter()
-        .find(|setting| setting.name == "problem.uncertainty.seed");
+    let mut settings = outcome.settings.iter();
+    let seed = settings.find(|setting| setting.name == "problem.uncertainty.seed");
     assert_eq!(seed.unwrap().value, "1");
-    assert_eq!(json(&outcome), json(&folder.run(&text).unwrap()));
 }
 
 /// The measured body is projected on causal and on passive bodies: the force is nearly unchanged,
 /// and the change of the lines is reported.
 #[test]
 fn a_projection_says_what_it_has_changed() {
-    let folder = Folder::new();
-    measure(folder.path());
+    let folder = measured();
     let peak = |projection: &str| {
         let first = format!("{FIRST}{FRONT}{projection}");
         let text = sheet(&first, "uncertainty: (draws: 60)");
@@ -185,8 +169,7 @@ fn a_projection_says_what_it_has_changed() {
 
 #[test]
 fn more_error_of_the_scale_is_more_error_of_the_force() {
-    let folder = Folder::new();
-    measure(folder.path());
+    let folder = measured();
     let error_of = |scale: &str| {
         let first = FIRST.replace("1 %", scale);
         let outcome = attempt(folder.path(), &sheet(&first, "uncertainty: (draws: 60)")).unwrap();
@@ -204,12 +187,8 @@ fn more_error_of_the_scale_is_more_error_of_the_force() {
 
 #[test]
 fn what_cannot_be_is_refused_where_it_stands() {
-    let folder = Folder::new();
-    measure(folder.path());
-    let refused = |first: &str, rest: &str| {
-        let refused = folder.run(&sheet(first, rest)).err();
-        refused.unwrap().to_string()
-    };
+    let folder = measured();
+    let refused = |first: &str, rest: &str| folder.run(&sheet(first, rest)).refused();
     let refusals = [
         refused(r#"file: "body.uff""#, ""),
         refused(FIRST, r#"lines: (up_to: "5 kHz", samples: 512)"#),
@@ -252,14 +231,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
             let modulus = 0.8 * modulus + 0.2 * modulus * (s * 20e-6) / (1.0 + s * 20e-6);
             let impedance = area * (modulus * density).sqrt();
             let g = of_ways(s * (density / modulus).sqrt() * 0.15) / impedance;
-            let row = format!(
-                "{},{:e},{:e},{:e}\n",
-                step * f64::from(line),
-                g.re,
-                g.im,
-                1e-3 * g.norm()
-            );
-            text.push_str(&row);
+            let (f, error) = (step * f64::from(line), 1e-3 * g.norm());
+            writeln!(text, "{f},{:e},{:e},{error:e}", g.re, g.im).unwrap();
         }
         text
     };
@@ -320,12 +293,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
         let forward = format!(r#"(between: ("shank", "edge"), {})"#, response(file));
         let both = joined.replacen(&backward, &format!("{backward}, {forward}"), 1);
         let found = folder.run(&sheet(&both)).unwrap();
-        assert_eq!(
-            found.verdict == Verdict::Answered,
-            verdict,
-            "{:?}",
-            found.verdict
-        );
+        let is_answered = found.verdict == Verdict::Answered;
+        assert_eq!(is_answered, verdict, "{:?}", found.verdict);
         let compared = quantity(
             &found,
             "problem.second.members[1]: difference of the directions between \"shank\" and \"edge\"",
@@ -348,33 +317,27 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
             "one of \"shank\", \"edge\"",
         ),
     ] {
-        let refused = folder
-            .run(&sheet(&joined.replacen(from, to, 1)))
-            .unwrap_err();
-        assert!(refused.to_string().contains(expected), "{refused}");
+        let run = folder.run(&sheet(&joined.replacen(from, to, 1)));
+        run.refused().must_say(expected);
     }
 }
 
 #[test]
 fn r11_a_doubt_about_a_mobility_is_one_about_its_force() {
-    let folder = Folder::new();
-    let mut mobility = measure(folder.path());
+    let (folder, mut mobility) = mobility();
     let identity = SheetIdentity {
         file: "body.ron".to_owned(),
         sha256: "0".repeat(64),
     };
     let first = FIRST.replace("body.uff", "result/mobility.uff");
-    let mut verdict = || {
+    let mut force = || {
         write(&mobility, &identity, &folder.file("result"), &[]).unwrap();
         mobility.doubt("the hits are one measurement");
-        folder.run(&sheet(&first, "")).unwrap().verdict
+        folder.run(&sheet(&first, ""))
     };
-    assert_eq!(verdict(), Verdict::Answered);
-    let Verdict::InDoubt { reasons } = verdict() else {
-        panic!("answered with a mobility in doubt")
-    };
+    answered(force());
     assert_eq!(
-        reasons,
+        doubts(&force().unwrap()),
         [
             "problem.first: the response of result/mobility.uff is in doubt: the hits are one measurement"
         ]

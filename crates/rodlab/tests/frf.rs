@@ -31,7 +31,7 @@ use rodlab::job;
 use rodlab::outcome::Verdict;
 
 use crate::runge_kutta::after_step;
-use crate::runs::{self, json, with_causes, words, write_npy};
+use crate::runs::{self, Folder, json, with_causes, words, write_npy};
 
 const RATE: f64 = 8192.0;
 const N: usize = 4096;
@@ -142,6 +142,12 @@ fn write(path: &Path, volts: &Record) {
     write_npy(path, &rows);
 }
 
+fn hits(n_hits: u64, duration: f64, density: f64) -> Folder {
+    let folder = Folder::new();
+    write_hits(folder.path(), n_hits, duration, density);
+    folder
+}
+
 fn write_hits(folder: &Path, n_hits: u64, duration: f64, density: f64) {
     write_hits_from(0, folder, n_hits, duration, density);
 }
@@ -175,9 +181,15 @@ fn sheet_of(files: &str, rest: &str) -> String {
     )
 }
 
-fn run(folder: &Path, text: &str) -> Result<Outcome, String> {
-    runs::outcome_of(folder, text)
-        .map_err(|error| with_causes(&error).replace(&folder.display().to_string(), "FOLDER"))
+fn run(folder: &Folder, text: &str) -> Result<Outcome, String> {
+    let here = folder.path().display().to_string();
+    let run = folder.run(text);
+    run.map_err(|error| with_causes(&error).replace(&here, "FOLDER"))
+}
+
+/// The outcome of a sheet with these further fields.
+fn frf(folder: &Folder, files: &str, rest: &str) -> Result<Outcome, String> {
+    run(folder, &sheet_of(files, rest))
 }
 
 fn column(outcome: &Outcome, table: &str, column: &str) -> Vec<f64> {

@@ -1,18 +1,22 @@
 //! The response of a body from hits with one hammer and with two.
 
 use super::*;
-use crate::runs::{Folder, Words, answered, doubts, figures_of};
+use crate::runs::{Folder, Words, answered, doubts, figures_of, tables_of};
+use testbed::difference::largest;
+
+/// Values that are all this one.
+#[track_caller]
+fn all_are(values: &[f64], expected: f64) {
+    let worst = largest(values.iter().map(|value| value / expected - 1.0));
+    assert!(worst < 1e-9, "{values:?}, expected {expected}");
+}
 
 #[test]
 fn the_response_is_that_of_the_body_within_its_stated_errors() {
-    let folder = Folder::new();
-    write_hits(folder.path(), 10, 1e-3, NOISE);
-    let outcome = answered(run(folder.path(), &sheet_of("hit_*.npy", BAND)));
-    assert!(
-        outcome.log.iter().all(|entry| entry.accepted),
-        "{:#?}",
-        outcome.log
-    );
+    let folder = hits(10, 1e-3, NOISE);
+    let outcome = answered(frf(&folder, "hit_*.npy", BAND));
+    let log = &outcome.log;
+    assert!(log.iter().all(|entry| entry.accepted), "{log:#?}");
     let (mean, beyond) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
     // For ten hits, |δH|² divided by its estimate is distributed as F(2, 18), with the mean 1.125
     // and the standard deviation 1.4. The mean over 590 lines has a standard deviation of 0.06, and
@@ -44,16 +48,8 @@ fn the_response_is_that_of_the_body_within_its_stated_errors() {
 
 #[test]
 fn the_universal_file_holds_the_response_and_its_coherence() {
-    let folder = Folder::new();
-    write_hits(folder.path(), 3, 1e-3, NOISE);
-    let outcome = run(
-        folder.path(),
-        &sheet_of(
-            "hit_*.npy",
-            "kind: Mobility, band: (from: \"20 Hz\", to: \"1.2 kHz\"),",
-        ),
-    )
-    .unwrap();
+    let folder = hits(3, 1e-3, NOISE);
+    let outcome = frf(&folder, "hit_*.npy", &format!("kind: Mobility, {BAND}")).unwrap();
     let attachment = &outcome.attachments[0];
     assert_eq!(attachment.name, "frf.uff");
     let contents = format::read_bytes(&attachment.bytes).unwrap();
@@ -86,21 +82,11 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
         other => panic!("{other:?}"),
     };
     assert_eq!(error.name, "struck end, standard error");
-    assert!(
-        reals(freedom)
-            .iter()
-            .all(|freedom| (freedom - 4.0).abs() < 1e-9)
-    );
+    all_are(&reals(freedom), 4.0);
     let sensors = 0.01_f64.hypot(0.02);
-    assert!(
-        reals(common)
-            .iter()
-            .all(|error| (error / sensors - 1.0).abs() < 1e-9)
-    );
-    let said = mobility
-        .properties
-        .iter()
-        .find(|(field, _)| field == "uff58.id3");
+    all_are(&reals(common), sensors);
+    let mut properties = mobility.properties.iter();
+    let said = properties.find(|(field, _)| field == "uff58.id3");
     assert_eq!(said.unwrap().1, "averages: 3");
 
     // a mobility read from this file has all these data
@@ -121,26 +107,16 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
         assert!((there / here - 1.0).abs() < 1e-9);
     }
     let freedom = column(&read, "mobility", "degrees of freedom of the errors");
-    assert!(
-        freedom[10..]
-            .iter()
-            .all(|freedom| (freedom - 4.0).abs() < 1e-9)
-    );
+    all_are(&freedom[10..], 4.0);
     let common = column(&read, "mobility", "error that lines share");
-    assert!(
-        common[10..]
-            .iter()
-            .all(|error| (error / 100.0 / sensors - 1.0).abs() < 1e-9)
-    );
+    all_are(&common[10..], 100.0 * sensors);
 }
 
 /// A sheet with a second hammer of the stated `sensitivity`, which is right or 10 % off.
 fn second_of(sensitivity: &str) -> String {
     let second = records("hard/*.npy").replace("2 mV/N ± 1 %", sensitivity);
-    sheet_of(
-        "soft/*.npy",
-        &format!("{BAND} second_hammer: (records: {second}),"),
-    )
+    let rest = format!("{BAND} second_hammer: (records: {second}{merge}),");
+    sheet_of("soft/*.npy", &rest)
 }
 
 #[test]
@@ -172,14 +148,13 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
 
 #[test]
 fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
-    let folder = Folder::new();
-    write_hits(folder.path(), 10, 1e-3, NOISE);
+    let folder = hits(10, 1e-3, NOISE);
     let text = sheet_of(
         "hit_*.npy",
         r#"kind: Mobility, band: (from: "2 Hz", to: "1.2 kHz"),
            weighed_mass: (mass: "2 kg ± 1 gram", below: "20 Hz", fitted_to: "80 Hz"),"#,
     );
-    let outcome = run(folder.path(), &text).unwrap();
+    let outcome = run(&folder, &text).unwrap();
     let (mass, error) = quantity(&outcome, "apparent mass, struck end");
     assert!(
         (mass - MASS).abs() < 4.0 * error.unwrap() + 0.002 * MASS,
@@ -200,7 +175,7 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
     assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
     // a wrong weighed mass does not agree with the lines
     let wrong = text.replace("2 kg ± 1 gram", "2.5 kg ± 1 gram");
-    let outcome = run(folder.path(), &wrong).unwrap();
+    let outcome = run(&folder, &wrong).unwrap();
     doubts(&outcome)[0].must_say("the difference is larger than their errors explain");
 }
 
@@ -220,7 +195,10 @@ fn two_hammers_are_one_response() {
         )
     };
     for merge in ["InverseVariance", "LargerInput"] {
-        let outcome = answered(run(folder.path(), &second(merge)));
+        let outcome = answered(run(
+            &folder,
+            &second_of("2 mV/N ± 1 %", &format!(", merge: {merge}")),
+        ));
         let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
         // the variances are estimated from 8 hits each, and the hammer with the smaller estimate
         // gets too much weight: the mean is 8/7 to 1.6
@@ -235,12 +213,7 @@ fn two_hammers_are_one_response() {
             }
         }
         assert_eq!(outcome.inputs.len(), 16);
-        assert!(outcome.figures.iter().any(|f| f.name == "merge_struck_end"));
-        assert!(
-            outcome
-                .tables
-                .iter()
-                .any(|t| t.name == "hits_second_hammer")
-        );
+        figures_of(&outcome).must_say("merge_struck_end");
+        tables_of(&outcome).must_say("hits_second_hammer");
     }
 }

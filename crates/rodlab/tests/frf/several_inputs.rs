@@ -132,7 +132,7 @@ fn s14_long_random_records_give_the_response_of_the_body() {
         shaken(&folder.file(name), 10 * 8192 + silent, silent, 0.0, seed);
     }
     let sheet = shaken_sheet(r#"segments: (length: "1 s"), silent: "0.49 s","#);
-    let outcome = answered(run(folder.path(), &sheet));
+    let outcome = answered(run(&folder, &sheet));
     let table = "response_struck_end";
     let [magnitude, phase, lines] = within_two(&outcome, table, accelerance);
     println!("{magnitude} {phase} of {lines}");
@@ -172,7 +172,7 @@ fn s14_inputs_that_act_together_have_a_response_each() {
     shaken(&folder.file("a.npy"), 20 * 8192, 0, 1.0, 3);
     let both =
         r#"segments: (length: "8192 samples", overlap: "60 %"), further_inputs: ["other shaker"],"#;
-    let outcome = answered(run(folder.path(), &shaken_sheet(both)));
+    let outcome = answered(run(&folder, &shaken_sheet(both)));
     for (table, truth) in [
         (
             "response_struck_end_over_shaker",
@@ -199,7 +199,7 @@ fn s14_inputs_that_act_together_have_a_response_each() {
     // if the second input is left out, its part is attributed to the first: the response is not
     // coherent and wrong
     let alone = run(
-        folder.path(),
+        &folder,
         &shaken_sheet(r#"segments: (length: "8192 samples"),"#),
     )
     .unwrap();
@@ -235,21 +235,20 @@ fn s14_inputs_that_act_together_have_a_response_each() {
             "the record to be cut into segments has 163840 samples, expected at least 172032",
         ),
     ] {
-        let said = run(folder.path(), &shaken_sheet(rest)).unwrap_err();
+        let said = run(&folder, &shaken_sheet(rest)).unwrap_err();
         said.must_say(expected);
     }
 }
 
 #[test]
 fn s14_hits_of_unequal_length_are_continued_by_rest() {
-    let folder = Folder::new();
-    write_hits(folder.path(), 4, 1e-3, NOISE);
+    let folder = hits(4, 1e-3, NOISE);
     let cut = |n: usize, name: &str, seed: u64| {
         let history = history(n, |t| blow(t - ONSET, 180.0, 1e-3));
         write(&folder.file(name), &recorded(&history, NOISE, seed));
     };
     cut(3000, "hit_8.npy", 18);
-    let outcome = answered(run(folder.path(), &sheet_of("*.npy", BAND)));
+    let outcome = answered(frf(&folder, "*.npy", BAND));
     let said: Vec<_> = outcome
         .settings
         .iter()
@@ -266,7 +265,7 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     // at sample 1100 the mode has decayed to a hundredth, three thousandths of the peak: the checks
     // pass, but the record is not at rest
     cut(1100, "hit_9.npy", 19);
-    let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
+    let moving = frf(&folder, "*.npy", BAND).unwrap_err();
     moving.must_say_all(&[
             "hits: hit 6, hit_9.npy is 1100 samples, and `struck end` deviates",
             "expected 4096 samples, the length of the longest hit, or a hit that ends at rest, so that it can be extended",
@@ -275,13 +274,12 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
 
 #[test]
 fn s14_a_hysteresis_beyond_the_signal_is_told() {
-    let folder = Folder::new();
-    write_hits(folder.path(), 1, 1e-3, NOISE);
+    let folder = hits(1, 1e-3, NOISE);
     let sheet = sheet_of(
         "*.npy",
         r#"hits: (cut: Trigger(level: "20 N", hysteresis: "300 N", pre_trigger: "10 ms", length: "2048 samples")),"#,
     );
-    let Verdict::NotAllowed { reason } = run(folder.path(), &sheet).unwrap().verdict else {
+    let Verdict::NotAllowed { reason } = run(&folder, &sheet).unwrap().verdict else {
         panic!("a hit without a trigger");
     };
     insta::assert_snapshot!(reason, @"no hit is found (hit 1, hit_0.npy: not triggered: `hammer` crosses 20.00, but was never at least 300.0 (the hysteresis) on the other side of it; its values are between -0.334 and 147.9)");
