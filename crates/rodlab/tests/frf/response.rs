@@ -7,8 +7,11 @@ use testbed::difference::largest;
 /// Values that are all this one.
 #[track_caller]
 fn all_are(values: &[f64], expected: f64) {
-    let worst = largest(values.iter().map(|value| value / expected - 1.0));
-    assert!(worst < 1e-9, "{values:?}, expected {expected}");
+    let worst = largest(values.iter().map(|value| value - expected));
+    assert!(
+        worst < 1e-9 * expected.min(1.0),
+        "{values:?}, expected {expected}"
+    );
 }
 
 #[test]
