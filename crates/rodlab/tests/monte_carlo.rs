@@ -4,37 +4,28 @@
 use rodlab::outcome::{Cells, Table};
 use rodlab::{Outcome, RodlabError};
 
-use crate::runs::{Folder, Refused, Words, column, copy_example, table};
+use crate::runs::{Folder, Refused, Words, column, table, words};
 
 /// Outcome of the sheet of an example with `draws` of a Monte Carlo calculation, after `change`.
 fn drawn(
-    name: &str,
+    folder: &Folder,
     sheet: &str,
     draws: usize,
     change: impl Fn(&str) -> String,
 ) -> Result<Outcome, RodlabError> {
-    let folder = Folder::new();
-    copy_example(name, folder.path());
     let text = change(&folder.read(sheet));
     let (all, _) = text.trim_end().rsplit_once(')').unwrap();
-    let separator = if all.trim_end().ends_with(',') {
-        ""
-    } else {
-        ","
-    };
-    let text = format!("{all}{separator}\n    monte_carlo: {draws},\n)\n");
-    folder.run(&text)
+    let all = all.trim_end().trim_end_matches(',');
+    folder.run(&format!("{all},\n    monte_carlo: {draws},\n)\n"))
 }
 
 fn verdicts(table: &Table) -> Vec<bool> {
-    table
-        .columns
-        .iter()
-        .find_map(|column| match &column.cells {
-            Cells::Validity { valid, .. } => Some(valid.clone()),
-            _ => None,
-        })
-        .unwrap()
+    let mut columns = table.columns.iter();
+    let valid = columns.find_map(|column| match &column.cells {
+        Cells::Validity { valid, .. } => Some(valid.clone()),
+        _ => None,
+    });
+    valid.unwrap()
 }
 
 /// Errors of a modulus due to noise, length, diameter, density and mass, line by line.
@@ -45,16 +36,15 @@ fn errors_of_a_modulus_are_the_scatter_of_its_draws() {
         let (_, after) = rest.split_once("    report_at").unwrap();
         format!("{before}    report_at{after}")
     };
-    let outcome = drawn("polypropylene", "modulus.ron", 200, without_laws).unwrap();
+    let folder = Folder::of_example("polypropylene");
+    let outcome = drawn(&folder, "modulus.ron", 200, without_laws).unwrap();
     let lines = table(&outcome, "modulus");
     for name in ["E'", "E''"] {
-        let linear = column(&outcome, "modulus", &format!("standard error of {name}"));
-        let drawn = column(
-            &outcome,
-            "modulus",
-            &format!("Monte Carlo standard error of {name}"),
-        );
-        let ratios: Vec<f64> = drawn.iter().zip(linear).map(|(a, b)| a / b).collect();
+        let of = |error: &str| column(&outcome, "modulus", &format!("{error} of {name}"));
+        let pairs = of("Monte Carlo standard error")
+            .iter()
+            .zip(of("standard error"));
+        let ratios: Vec<f64> = pairs.map(|(drawn, linear)| drawn / linear).collect();
         let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
         // common errors are drawn 200 times for all lines together, so that each ratio scatters by
         // 5 %, most of it common to all lines
@@ -72,13 +62,12 @@ fn errors_of_a_modulus_are_the_scatter_of_its_draws() {
 
 #[test]
 fn draws_do_not_depend_on_the_number_of_threads() {
+    let folder = Folder::of_example("cone");
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        let outcome = pool
-            .build()
-            .unwrap()
-            .install(|| drawn("cone", "force.ron", 40, str::to_owned));
-        let outcome = outcome.unwrap();
+        let outcome = (pool.build().unwrap())
+            .install(|| drawn(&folder, "force.ron", 40, str::to_owned))
+            .unwrap();
         column(&outcome, "monte_carlo", "Monte Carlo standard error").to_vec()
     };
     let alone = with(1);
@@ -89,17 +78,15 @@ fn draws_do_not_depend_on_the_number_of_threads() {
 /// A force, whose bands are computed from draws, laws of a sweep over temperatures, and a bar.
 #[test]
 fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
-    for (name, sheet, draws, number) in [
-        ("cone", "force.ron", 100, "peak force"),
-        ("epoxy", "fit.ron", 60, "fractional Zener, exponent"),
-        ("polymer_bar", "bar.ron", 60, "storage modulus at 2 kHz"),
+    let [cone, bar] = ["cone", "polymer_bar"].map(Folder::of_example);
+    for (folder, sheet, number) in [
+        (cone, "force.ron", "peak force"),
+        (epoxy(), "fit.ron", "fractional Zener, exponent"),
+        (bar, "bar.ron", "storage modulus at 2 kHz"),
     ] {
-        let outcome = drawn(name, sheet, draws, str::to_owned).unwrap();
-        let judged = table(&outcome, "monte_carlo");
-        let Cells::Words(names) = &judged.columns[0].cells else {
-            panic!("{judged:?}")
-        };
-        let at = names.iter().position(|own| own == number).unwrap();
+        let outcome = drawn(&folder, sheet, 60, str::to_owned).unwrap();
+        let mut names = words(&outcome, "monte_carlo", "quantity").iter();
+        let at = names.position(|own| own == number).unwrap();
         let linear = column(&outcome, "monte_carlo", "standard error")[at];
         let ratio = column(&outcome, "monte_carlo", "Monte Carlo standard error")[at] / linear;
         // four standard errors of the scatter of 60 draws, and the scatter of the 200 draws of the
@@ -110,14 +97,12 @@ fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
 
 #[test]
 fn what_cannot_be_drawn_is_refused() {
-    let refused = |name: &str, sheet: &str, draws, change: &dyn Fn(&str) -> String| {
-        drawn(name, sheet, draws, change).refused()
-    };
-    refused("cone", "force.ron", 5, &str::to_owned).must_say("at least 20 draws");
-    let unknown = refused("epoxy", "fit.ron", 100, &|text| {
+    let few = drawn(&Folder::of_example("cone"), "force.ron", 5, str::to_owned);
+    few.refused().must_say("at least 20 draws");
+    let unknown = drawn(&Folder::of_example("epoxy"), "fit.ron", 100, |text| {
         let (before, rest) = text.split_once("errors:").unwrap();
         let (_, after) = rest.split_once('\n').unwrap();
         format!("{before}\n{after}")
     });
-    unknown.must_say("standard errors of the data");
+    unknown.refused().must_say("standard errors of the data");
 }
