@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::runs::{Folder, done, rodlab, text as text_of};
+use crate::runs::{Folder, done, path_of_example, rodlab, text as text_of};
 
 /// Runs the example of polypropylene after `change` of its sheet.
 fn said_of(change: impl Fn(&str) -> String) -> String {
@@ -254,7 +254,7 @@ fn r20_an_unusual_material_is_taken_if_the_sheet_says_so() {
 
 #[test]
 fn r20_a_recording_given_for_a_sheet_is_named() {
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/frame");
+    let example = path_of_example("frame");
     let run = |arguments: &[&str]| {
         let run = rodlab(&example, arguments);
         assert_eq!(run.status.code(), Some(2));

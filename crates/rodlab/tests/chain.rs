@@ -19,7 +19,7 @@ use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 use testbed::long_bar::LongBar;
 use testbed::noise::Noise;
 
-use crate::runs::{Folder, Refused, Words, column, write_columns};
+use crate::runs::{Folder, Refused, Words, column, path_of_example, write_columns};
 
 const RATE: f64 = 1e6;
 const LENGTH: f64 = 0.006;
@@ -390,7 +390,7 @@ fn chain_material_in_a_virtual_test_is_its_law() {
 fn chain_of_results_is_verified() {
     let folder = Folder::new();
     for file in ["modulus.ron", "striker.ron", "shot-1.npy"] {
-        let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polymer_bar");
+        let example = path_of_example("polymer_bar");
         fs::copy(example.join(file), folder.file(file)).unwrap();
     }
     let results = ["modulus", "striker"].map(|name| {

@@ -18,7 +18,7 @@ use sweep::{Sweep, Temperatures};
 
 use crate::runs::{
     Folder, Words, answered, attachments_of, column as numbers, doubts, estimate, figures_of,
-    is_found, outcome_of as run, quantity, tables_of, words,
+    is_found, outcome_of as run, path_of_example, quantity, tables_of, words,
 };
 
 fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
@@ -219,7 +219,7 @@ fn a_modulus_read_from_the_nomogram_is_that_at_its_frequency_and_temperature() {
 /// The sweep of the example equals the one made here; `RODLAB_WRITE_EXAMPLES` writes it.
 #[test]
 fn the_example_is_the_sweep_of_this_test() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/epoxy/sweep.csv");
+    let file = path_of_example("epoxy/sweep.csv");
     let table = Sweep::default().table(1993);
     if std::env::var_os("RODLAB_WRITE_EXAMPLES").is_some() {
         fs::write(&file, &table).unwrap();

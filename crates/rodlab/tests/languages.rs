@@ -10,12 +10,11 @@ use rodlab::job::{self, Sheet, Silent};
 use rodlab::sheet::{self, Language};
 use rodlab::templates::JobName;
 
-use crate::runs::{Folder, Words, text};
+use crate::runs::{Folder, Words, path_of_example, text};
 
 /// Paths of the sheets of the examples in RON.
 fn examples() -> Vec<PathBuf> {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let pattern = examples.join("*/*.ron");
+    let pattern = path_of_example("*/*.ron");
     let found = glob::glob(pattern.to_str().unwrap()).unwrap();
     let found: Vec<PathBuf> = found.map(Result::unwrap).collect();
     assert!(found.len() >= 12, "{} examples", found.len());
@@ -45,7 +44,7 @@ fn examples_and_templates_are_the_same_sheets_in_toml() {
 
 #[test]
 fn the_example_in_toml_is_that_in_ron() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
+    let folder = path_of_example("polypropylene");
     let of = |name: &str| fields(&fs::read_to_string(folder.join(name)).unwrap());
     assert_eq!(of("rod.toml"), of("modulus.ron"));
 }
@@ -345,7 +344,7 @@ fn init_writes_toml_unless_ron_is_asked_for() {
 
 #[test]
 fn simulate_writes_sheets_in_the_language_of_its_own() {
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/plan.ron");
+    let example = path_of_example("polypropylene/plan.ron");
     let plan = fs::read_to_string(&example).unwrap();
     let folder = Folder::new();
     folder.write("plan.toml", sheet::in_toml(&example, &plan).unwrap());

@@ -260,12 +260,15 @@ impl Words for [String] {
     }
 }
 
+pub(crate) fn path_of_example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(name)
+}
+
 /// Copies the files of an example that are next to its sheet.
 pub(crate) fn copy_example(name: &str, folder: &Path) {
-    let example = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples")
-        .join(name);
-    for entry in fs::read_dir(example).unwrap() {
+    for entry in fs::read_dir(path_of_example(name)).unwrap() {
         let path = entry.unwrap().path();
         if path.is_file() {
             fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();

@@ -17,7 +17,7 @@ use rodlab::outcome::Outcome;
 use rodlab::sheet::Language;
 use rodlab::templates::JobName;
 
-use crate::runs::{Folder, Refused, Words, outcome_of, write_columns};
+use crate::runs::{Folder, Refused, Words, outcome_of, path_of_example, write_columns};
 use crate::two_masses::{BODY, HAMMER, Hammer, strike};
 
 /// A quoted text in a sheet, with its field.
@@ -95,21 +95,10 @@ fn uncertain(text: &str) -> Option<String> {
     })
 }
 
-fn sources(folder: &Path) -> String {
-    let mut all = String::new();
-    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            all.push_str(&sources(&path));
-        } else {
-            all.push_str(&fs::read_to_string(&path).unwrap());
-        }
-    }
-    all
+fn sources() -> String {
+    let files = glob::glob(concat!(env!("CARGO_MANIFEST_DIR"), "/src/**/*.rs")).unwrap();
+    let texts = files.map(|file| fs::read_to_string(file.unwrap()).unwrap());
+    texts.collect()
 }
 
 /// Names of the fields and variants of sheets whose type contains one of the texts `of`.
@@ -136,8 +125,7 @@ fn declared(sources: &str, of: &[&str]) -> BTreeSet<String> {
 
 /// Fields that accept an uncertainty, as declared in the source code.
 fn taking_an_uncertainty() -> BTreeSet<String> {
-    let of_crate = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
-    let found = declared(&of_crate, &["Stated<", "Option<Sensitivity>"]);
+    let found = declared(&sources(), &["Stated<", "Option<Sensitivity>"]);
     // fields that must be among them, as a check of the parser
     for field in ["density", "velocity", "poisson_ratio", "at", "sensitivity"] {
         assert!(found.contains(field), "{field} is not among {found:?}");
@@ -146,8 +134,7 @@ fn taking_an_uncertainty() -> BTreeSet<String> {
 }
 
 fn texts() -> BTreeSet<String> {
-    let of_crate = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
-    let mut found = declared(&of_crate, &["String", "Selector"]);
+    let mut found = declared(&sources(), &["String", "Selector"]);
     // keys of maps
     found.extend(["materials", "full_scales", "noise_of"].map(str::to_owned));
     found
@@ -156,10 +143,8 @@ fn texts() -> BTreeSet<String> {
 /// All numbers of an outcome as JSON: verdict, quantities and tables.
 fn numbers(outcome: &Outcome) -> String {
     let whole = serde_json::to_value(outcome).unwrap();
-    format!(
-        "{} {} {}",
-        whole["verdict"], whole["quantities"], whole["tables"]
-    )
+    let parts = ["verdict", "quantities", "tables"].map(|part| whole[part].to_string());
+    parts.join(" ")
 }
 
 /// Fields whose uncertainty changed the numbers of an outcome, and the faults found.
@@ -191,6 +176,7 @@ impl Walked {
             match outcome_of(folder, &changed) {
                 Err(error) => {
                     let words = error.to_string();
+                    // or that the field takes no unit, or no fraction
                     let says_why = [
                         "uncertainty",
                         "without ±",
@@ -215,9 +201,7 @@ impl Walked {
 }
 
 fn example(name: &str, sheet: &str) -> (PathBuf, String) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("examples")
-        .join(name);
+    let folder = path_of_example(name);
     let text = fs::read_to_string(folder.join(sheet)).unwrap();
     (folder, text)
 }
@@ -233,7 +217,7 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
     // fewer lines and no laws take less time
     let laws = ends.find("    // a law for").unwrap()..ends.find("    report_at").unwrap();
     let mut ends = replaced(&ends, &ends[laws], "");
-    ends = replaced(&ends, "to: \"15 kHz\"", "to: \"14 kHz\"");
+    ends = replaced(&ends, "to: \"15 kHz\"", "to: \"4 kHz\"");
     ends = replaced(
         &ends,
         "unit: \"m/s2\"",
@@ -346,7 +330,7 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
     let measured = r#"Force(title: "measured", materials: {"pp": (density: "912 kg/m3", law: Elastic(modulus: "2.6 GPa"))}, problem: Impact(
         first: Measured(file: "body.uff", support: Free(mass: "1.5 kg"), scale_uncertainty: "1 %", front_impedance: "5000 kg/s"),
         second: LongRod(material: "pp", diameter: "30 mm"), velocity: "2 m/s", duration: "1 ms",
-        lines: (up_to: "3 kHz", roll_off_from: "2 kHz"), uncertainty: (draws: 200, level: "90 %")))"#;
+        lines: (up_to: "3 kHz", roll_off_from: "2 kHz"), uncertainty: (draws: 60, level: "90 %")))"#;
     let file = r#"Force(title: "response", problem: Response(path: Hits(RECORDS, force: "hammer", response: "face"),
         record: (files: ["hit2.csv"], channels: [(name: "face", from: "acceleration", sensitivity: "1")]), response: "face",
         noise: White("0.5 m/s2"), acting: (from: "3.5 ms", to: "5 ms"), uncertainty: (draws: 200, seed: 1, level: "95 %")))"#
@@ -357,8 +341,11 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         r#"Assembly(face: "head, face", joints: [], members: [(name: "head", measured: (points: ["face"], support: Free(mass: "1.5 kg"), mobilities: [
             (between: ("face", "face"), response: (file: "body.uff"), front_impedance: "5000 kg/s")]))])"#,
     );
-    let points = points.replace(r#"lines: (up_to: "3 kHz", roll_off_from: "2 kHz"),"#, "");
-    assert!(points.contains("Assembly(") && !points.contains("lines:"));
+    let points = replaced(
+        &points,
+        r#"lines: (up_to: "3 kHz", roll_off_from: "2 kHz"),"#,
+        "",
+    );
     [mobility, frf, weighed, measured.to_owned(), points, file]
         .map(|text| (folder.to_owned(), text))
         .to_vec()
@@ -413,14 +400,10 @@ fn twisted_tube(folder: &Path) -> (PathBuf, String) {
         let inside = (0.0..150.0).contains(&n);
         1e-3 * (std::f64::consts::PI * n / 150.0).sin().powi(2) * f64::from(u8::from(inside))
     };
-    let rows: Vec<String> = (0..1500)
-        .map(|n| {
-            let n = f64::from(n);
-            let near = pulse(n - 200.0) - 0.6 * pulse(n - 600.0);
-            format!("{near:e},{:e}", 0.4 * pulse(n - 500.0))
-        })
-        .collect();
-    fs::write(folder.join("tube.csv"), rows.join("\n")).unwrap();
+    let times = || (0..1500).map(f64::from);
+    let near = times().map(|n| pulse(n - 200.0) - 0.6 * pulse(n - 600.0));
+    let far = times().map(|n| 0.4 * pulse(n - 500.0));
+    write_columns(&folder.join("tube.csv"), &[near.collect(), far.collect()]);
     let sheet = r#"Shpb(title: "tube", loading: Torsion, bars: (
         incident: (waves: Speed(density: "7800 kg/m3", wave_speed: "3100 m/s"), diameter: "25 mm", length: "1900 mm", gauges: [(channel: "a", at: "620 mm")]),
         transmitted: (waves: Speed(density: "7800 kg/m3", wave_speed: "3100 m/s"), diameter: "25 mm", length: "1900 mm", gauges: [(channel: "b", at: "310 mm")])),
@@ -433,6 +416,9 @@ fn twisted_tube(folder: &Path) -> (PathBuf, String) {
 
 fn others() -> Vec<(PathBuf, String)> {
     let (cone, force) = example("cone", "force.ron");
+    // whether a number changes does not depend on the number of draws
+    let few = r#"duration: "1 ms", uncertainty: (draws: 8),"#;
+    let force = replaced(&force, r#"duration: "4 ms","#, few);
     let (nylon, _) = example("nylon", "identify.ron");
     let identify = r#"Identify(title: "one", specimen: (length: "394 mm", density: "1140 kg/m3"), tests: [(name: "a",
         records: (files: ["shots-1.csv"], channels: [(name: "near end", from: "near end", sensitivity: "1"), (name: "free end", from: "free end")]),
@@ -458,13 +444,16 @@ fn others() -> Vec<(PathBuf, String)> {
 #[test]
 fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     let folder = Folder::new();
-    let mut sheets = moduli_of_hits();
-    sheets.extend(modulus_of_a_shot(folder.path()));
-    sheets.extend(moduli_of_ratios(folder.path()));
-    sheets.extend(struck_bodies(folder.path()));
-    sheets.extend(impacts());
-    sheets.extend(others());
-    sheets.push(twisted_tube(folder.path()));
+    let sheets = [
+        moduli_of_hits(),
+        modulus_of_a_shot(folder.path()).to_vec(),
+        moduli_of_ratios(folder.path()),
+        struck_bodies(folder.path()),
+        impacts(),
+        others(),
+        vec![twisted_tube(folder.path())],
+    ]
+    .concat();
     let (declared, texts) = (taking_an_uncertainty(), texts());
     let mut walked = Walked::default();
     for (folder, text) in &sheets {

@@ -13,7 +13,7 @@ use rodlab::RodlabError;
 use rodlab::view::View;
 use serde_json::{Value, json};
 
-use crate::runs::{Folder, Words};
+use crate::runs::{Folder, Words, path_of_example};
 
 /// A sheet served by `rodlab view` in a thread.
 struct Served {
@@ -319,7 +319,7 @@ fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
 fn the_command_serves_until_it_is_interrupted() {
     use std::io::{BufRead as _, BufReader};
 
-    let sheet = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/rod.toml");
+    let sheet = path_of_example("polypropylene/rod.toml");
     let mut child: Child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .arg("view")
         .arg(&sheet)
@@ -353,7 +353,7 @@ fn what_is_no_text_is_not_served() {
     let folder = Folder::new();
     let missing = View::of(&folder.file("missing.toml"), 0).unwrap_err();
     assert!(missing.to_string().contains("missing.toml"), "{missing}");
-    let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/hits-1.npy");
+    let recording = path_of_example("polypropylene/hits-1.npy");
     assert!(matches!(
         View::of(&recording, 0).unwrap_err(),
         RodlabError::NoSheet { .. }

@@ -1,7 +1,7 @@
 //! Runs in a folder with results of an earlier run, or with files of another origin.
 
 use super::*;
-use crate::runs::{Folder, Words, done};
+use crate::runs::{Folder, Words, done, path_of_example};
 
 #[test]
 fn what_is_done_is_not_done_again_unless_something_has_changed() {
@@ -49,7 +49,7 @@ fn what_is_done_is_not_done_again_unless_something_has_changed() {
 #[test]
 fn r19_resume_does_again_what_has_new_recordings_or_is_spoilt() {
     let folder = Folder::new();
-    let frame = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/frame");
+    let frame = path_of_example("frame");
     let test = folder.file("campaign");
     fs::create_dir(&test).unwrap();
     let copy = |name: &str| fs::copy(frame.join(name), test.join(name)).unwrap();

@@ -1,7 +1,7 @@
 //! Campaigns with tests in doubt and refused tests among answered ones.
 
 use super::*;
-use crate::runs::{Folder, Words};
+use crate::runs::{Folder, Words, path_of_example};
 
 /// A campaign with the rod of the examples as it was measured, and with one sensor of inverted
 /// polarity.
@@ -135,7 +135,7 @@ fn r10_a_hit_that_is_there_twice_stops_its_test_and_no_other() {
 #[test]
 fn r10_one_shot_under_two_names_is_no_second_test() {
     let folder = Folder::new();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/nylon");
+    let example = path_of_example("nylon");
     for name in ["identify.ron", "shots-1.csv"] {
         fs::copy(example.join(name), folder.file(name)).unwrap();
     }
