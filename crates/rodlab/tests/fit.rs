@@ -18,7 +18,7 @@ use sweep::{Sweep, Temperatures};
 
 use crate::runs::{
     Folder, Words, answered, attachments_of, column as numbers, doubts, estimate, figures_of,
-    is_found, outcome_of as run, path_of_example, quantity, tables_of, words,
+    is_found, path_of_example, quantity, tables_of, words,
 };
 
 fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
@@ -83,9 +83,8 @@ fn rows_are_told_from_those_of_no_relaxing_material() {
 
 #[test]
 fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
-    let folder = Folder::new();
     let sweep = Sweep::default();
-    sweep.write(&folder.file("sweep.csv"), 1993);
+    let folder = sweep.written(1993);
     let rest = r#"density: "1180 kg/m3", laws: (laws: [Zener, FractionalZener, GeneralisedMaxwell],
         cards: (name: "EPOXY", poisson_ratio: "0.38", programs: [Abaqus, LsDyna])),"#;
     let outcome = answered(folder.run(&sweep.sheet(rest)));
@@ -120,13 +119,8 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
             "{name}: {low} to {high}, true {truth}"
         );
     }
-    assert!(
-        quantity(
-            &outcome,
-            "check: one curve for all temperatures, probability"
-        )
-        .valid
-    );
+    let one_curve = "check: one curve for all temperatures, probability";
+    assert!(quantity(&outcome, one_curve).valid);
 
     // the errors of the shifts are part of those of the parameters, and of similar size as their
     // random errors
@@ -151,15 +145,13 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     let names = attachments_of(&outcome);
     assert_eq!(names, "material.json, EPOXY.inp, EPOXY.k");
     let card = String::from_utf8(outcome.attachments[1].bytes.clone()).unwrap();
-    for said in [
+    card.must_say_all(&[
         "** data: 169 lines, ",
         "** temperature: master curve of 13 temperatures at 60 °C",
         "** source: sweep.csv",
         &format!("** SHA-256 {}", outcome.inputs[0].sha256),
         "*VISCOELASTIC, TIME=PRONY",
-    ] {
-        card.must_say(said);
-    }
+    ]);
     assert_eq!(
         figures_of(&outcome),
         "master_curve, nomogram, shifts, moduli, black_diagram, laws"
@@ -175,9 +167,8 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
 /// changes the modulus by at least 5 %.
 #[test]
 fn a_modulus_read_from_the_nomogram_is_that_at_its_frequency_and_temperature() {
-    let folder = Folder::new();
     let sweep = Sweep::default();
-    sweep.write(&folder.file("sweep.csv"), 1993);
+    let folder = sweep.written(1993);
     let outcome = folder.run(&sweep.sheet("")).unwrap();
     let figure = outcome.figures.iter().find(|f| f.name == "nomogram");
     let panels = &figure.unwrap().panels;
@@ -224,11 +215,8 @@ fn the_example_is_the_sweep_of_this_test() {
     if std::env::var_os("RODLAB_WRITE_EXAMPLES").is_some() {
         fs::write(&file, &table).unwrap();
     }
-    assert!(
-        fs::read_to_string(&file).unwrap() == table,
-        "{} is another sweep",
-        file.display()
-    );
+    let is_it = fs::read_to_string(&file).unwrap() == table;
+    assert!(is_it, "{} is another sweep", file.display());
 }
 
 /// Evaluates 40 sweeps, or the number in the environment variable `SEEDS`.
@@ -250,18 +238,13 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
         let laws = "laws: (laws: [FractionalZener]),";
         let outcome = folder.run(&sweep.sheet(laws)).unwrap();
         answered += u32::from(outcome.verdict == Verdict::Answered);
-        let ends = [
-            numbers(&outcome, "shifts", "lower end"),
-            numbers(&outcome, "shifts", "upper end"),
-        ];
-        for (row, t) in numbers(&outcome, "shifts", "temperature")
-            .iter()
-            .enumerate()
-        {
+        let of_shifts = |column: &str| numbers(&outcome, "shifts", column).iter();
+        let ends = of_shifts("lower end").zip(of_shifts("upper end"));
+        for (t, (lower, upper)) in of_shifts("temperature").zip(ends) {
             if (t - sweep::REFERENCE).abs() > 0.1 {
                 let truth = sweep.log10_shift(*t);
                 all_shifts += 1;
-                shifts += u32::from(ends[0][row] <= truth && truth <= ends[1][row]);
+                shifts += u32::from(*lower <= truth && truth <= *upper);
             }
         }
         let of_curve = |column: &str| numbers(&outcome, "master_curve", column);
@@ -328,12 +311,11 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
 
 #[test]
 fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
-    let folder = Folder::new();
     let sweep = Sweep {
         activation_energy: Some(250e3),
         ..Sweep::default()
     };
-    sweep.write(&folder.file("sweep.csv"), 7);
+    let folder = sweep.written(7);
     let outcome = folder.run(&sweep.sheet("")).unwrap();
     let name = "Arrhenius, activation energy";
     assert!(is_found(&outcome, name, 250.0, [4.0, 0.02]).valid);
@@ -353,8 +335,7 @@ fn unstated_errors_are_those_of_the_scatter() {
         (Sweep::default(), "weighted by |E|, temperatures"),
         (sparse, "weighted by |E|, which scatters "),
     ] {
-        let folder = Folder::new();
-        sweep.write(&folder.file("sweep.csv"), 3);
+        let folder = sweep.written(3);
         let stated = answered(folder.run(&sweep.sheet("")));
         let text = sweep.sheet("");
         let (before, after) = text.split_once("errors: ").unwrap();
@@ -363,29 +344,14 @@ fn unstated_errors_are_those_of_the_scatter() {
         let warning = &outcome.warnings[0];
         warning.must_begin("No errors of the moduli are stated: ");
         warning.must_say(said);
-        let of = |outcome: &Outcome, name: &str| numbers(outcome, "shifts", name).to_vec();
-        let (a, b) = (
-            of(&stated, "log10 of the shift"),
-            of(&outcome, "log10 of the shift"),
-        );
-        let (error, other) = (
-            of(&stated, "standard error"),
-            of(&outcome, "standard error"),
-        );
-        assert_eq!(a.len(), sweep.temperatures.len());
-        for row in 0..a.len() {
-            assert!(
-                (a[row] - b[row]).abs() <= error[row].max(1e-9),
-                "{} {}",
-                a[row],
-                b[row]
-            );
-            assert!(
-                (other[row] / error[row] - 1.0).abs() < 0.15 || error[row] == 0.0,
-                "{} {}",
-                other[row],
-                error[row]
-            );
+        let of = |name: &str| [&stated, &outcome].map(|found| numbers(found, "shifts", name));
+        let ([shifts, others], [errors, found]) = (of("log10 of the shift"), of("standard error"));
+        assert_eq!(shifts.len(), sweep.temperatures.len());
+        for row in 0..shifts.len() {
+            let (a, b, error) = (shifts[row], others[row], errors[row]);
+            assert!((a - b).abs() <= error.max(1e-9), "{a} {b}");
+            let ratio = found[row] / error;
+            assert!((ratio - 1.0).abs() < 0.15 || error == 0.0, "{ratio}");
         }
     }
 }
@@ -444,22 +410,18 @@ fn columns_units_and_order_of_rows_do_not_matter() {
     }
     let text = sweep.sheet("").replace("\"sweep.csv\"", "\"T*.csv\"");
     let outcome = folder.run(&text).unwrap();
-    assert_eq!(outcome.inputs.len(), names.len());
-    assert_eq!(
-        numbers(&outcome, "shifts", "temperature").len(),
-        names.len()
-    );
+    let joined = numbers(&outcome, "shifts", "temperature").len();
+    assert_eq!([outcome.inputs.len(), joined], [names.len(); 2]);
 }
 
 #[test]
 fn one_temperature_gives_laws_alone() {
-    let folder = Folder::new();
     let sweep = Sweep {
         temperatures: Temperatures::of(60, 60, 1),
         per_decade: 8,
         ..Sweep::default()
     };
-    sweep.write(&folder.file("sweep.csv"), 2);
+    let folder = sweep.written(2);
     let text = sweep
         .sheet(LAWS)
         .replace("reference_temperature: \"60 degC\",", "");
@@ -474,25 +436,19 @@ fn one_temperature_gives_laws_alone() {
 
 #[test]
 fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
-    let folder = Folder::new();
     let sweep = Sweep {
         temperatures: Temperatures::of(40, 120, 40),
         ..Sweep::default()
     };
-    sweep.write(&folder.file("sweep.csv"), 11);
+    let folder = sweep.written(11);
     let text = sweep.sheet("").replace("\"60 degC\"", "\"80 degC\"");
     let outcome = folder.run(&text).unwrap();
     let said = reasons(&outcome);
     said.must_say("of 3 temperatures do not join the curve, because they do not overlap their neighbours within the errors: 40 °C");
-    let known = format!(
-        "stated_shifts: Wlf(c1: {}, c2: {}, at: \"60 degC\"),",
-        sweep::C1,
-        sweep::C2
-    );
-    let outcome = answered(folder.run(&text.replace("reference", &format!("{known} reference"))));
-    assert!(
-        words(&outcome, "shifts", "verdict").contains(&"as stated, without overlap".to_owned())
-    );
+    let (c1, c2) = (sweep::C1, sweep::C2);
+    let known = format!("stated_shifts: Wlf(c1: {c1}, c2: {c2}, at: \"60 degC\"), reference");
+    let outcome = answered(folder.run(&text.replace("reference", &known)));
+    words(&outcome, "shifts", "verdict").must_say("as stated, without overlap");
 }
 
 /// Moduli proportional to T/T_r over 20 K can hardly be distinguished from moduli with a factor of
@@ -510,9 +466,8 @@ fn an_open_choice_of_the_factors_is_stated() {
     let (mut squares, mut kept) = (0.0, 0);
     for seed in 0..seeds {
         sweep.write(&folder.file("sweep.csv"), seed);
-        let outcome = folder
-            .run(&sweep.sheet("laws: (laws: [FractionalZener]),"))
-            .unwrap();
+        let text = sweep.sheet("laws: (laws: [FractionalZener]),");
+        let outcome = folder.run(&text).unwrap();
         for (name, truth) in sweep.parameters() {
             let (value, error) = estimate(&outcome, &format!("fractional Zener, {name}"));
             squares += ((value - truth) / error).powi(2) / 4.0 / seeds as f64;
@@ -520,10 +475,9 @@ fn an_open_choice_of_the_factors_is_stated() {
         let factors = numbers(&outcome, "shifts", "factor of the modulus");
         if factors.iter().all(|factor| *factor == 1.0) {
             kept += 1;
-            outcome
-                .warnings
-                .must_say("almost equally well: BIC differs by ");
-            outcome.warnings.must_say(" 1 is used; with T/T_r the ");
+            let warnings = &outcome.warnings;
+            warnings.must_say("almost equally well: BIC differs by ");
+            warnings.must_say(" 1 is used; with T/T_r the ");
         }
     }
     let rms = squares.sqrt();
@@ -540,20 +494,13 @@ fn an_open_choice_of_the_factors_is_stated() {
 /// The labels of two temperatures are exchanged, as if relaxation slowed down with temperature.
 #[test]
 fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
-    let folder = Folder::new();
     let sweep = Sweep::default();
-    let path = folder.file("sweep.csv");
-    sweep.write(&path, 13);
-    let text = fs::read_to_string(&path).unwrap();
-    let exchanged: Vec<String> = text
-        .lines()
-        .map(|line| match line.rsplit_once(',') {
-            Some((row, "55")) => format!("{row},65"),
-            Some((row, "65")) => format!("{row},55"),
-            _ => line.to_owned(),
-        })
-        .collect();
-    fs::write(&path, exchanged.join("\n") + "\n").unwrap();
+    let folder = sweep.written(13);
+    folder.edit("sweep.csv", |_, line| match line.rsplit_once(',') {
+        Some((row, "55")) => format!("{row},65"),
+        Some((row, "65")) => format!("{row},55"),
+        _ => line.to_owned(),
+    });
     let outcome = folder.run(&sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
     said.must_say("the shifts do not fall with temperature from 55 °C to 60 °C");
@@ -563,12 +510,11 @@ fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
 /// The exponent of the material falls with temperature: its curves differ in form.
 #[test]
 fn a_material_that_is_not_simple_is_in_doubt() {
-    let folder = Folder::new();
     let sweep = Sweep {
         exponent_per_kelvin: -0.002,
         ..Sweep::default()
     };
-    sweep.write(&folder.file("sweep.csv"), 17);
+    let folder = sweep.written(17);
     let outcome = folder.run(&sweep.sheet("")).unwrap();
     reasons(&outcome).must_say(
         "the temperatures do not form a single curve within the stated errors: chi-square",
@@ -577,23 +523,15 @@ fn a_material_that_is_not_simple_is_in_doubt() {
 
 #[test]
 fn a_negative_loss_is_noise_or_a_doubt() {
-    let folder = Folder::new();
     let sweep = Sweep::default();
-    let path = folder.file("sweep.csv");
-    sweep.write(&path, 19);
-    let text = fs::read_to_string(&path).unwrap();
-    let changed: Vec<String> = text
-        .lines()
-        .enumerate()
-        .map(|(number, line)| {
-            if number != 9 {
-                return line.to_owned();
-            }
-            let cells: Vec<&str> = line.split(',').collect();
-            format!("{},{},-{},{}", cells[0], cells[1], cells[2], cells[3])
-        })
-        .collect();
-    fs::write(&path, changed.join("\n") + "\n").unwrap();
+    let folder = sweep.written(19);
+    folder.edit("sweep.csv", |number, line| {
+        if number != 9 {
+            return line.to_owned();
+        }
+        let cells: Vec<&str> = line.split(',').collect();
+        format!("{},{},-{},{}", cells[0], cells[1], cells[2], cells[3])
+    });
     let outcome = folder.run(&sweep.sheet("")).unwrap();
     let said = reasons(&outcome);
     said.must_say("the loss modulus is negative in 1 row(s), first in sweep.csv, line 10 (");

@@ -398,22 +398,17 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
 #[test]
 fn a_clipped_blow_is_in_doubt() {
     let folder = blow_and_hits();
-    let path = folder.file("blow1.csv");
-    let text = fs::read_to_string(&path).unwrap();
+    let text = folder.read("blow1.csv");
     let acceleration = |line: &str| line.split(',').nth(2).and_then(|x| x.parse::<f64>().ok());
     let peak = text.lines().filter_map(acceleration).fold(0.0, f64::max);
-    let clipped: Vec<String> = text
-        .lines()
-        .map(|line| match acceleration(line) {
-            Some(value) => {
-                let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-                cells[2] = value.min(0.6 * peak).to_string();
-                cells.join(",")
-            }
-            None => line.to_owned(),
-        })
-        .collect();
-    fs::write(&path, clipped.join("\n")).unwrap();
+    folder.edit("blow1.csv", |_, line| match acceleration(line) {
+        Some(value) => {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            cells[2] = value.min(0.6 * peak).to_string();
+            cells.join(",")
+        }
+        None => line.to_owned(),
+    });
     let outcome = folder.run(&sheet(HITS, ACTING)).unwrap();
     let reasons = doubts(&outcome).join("; ");
     reasons.must_say("the impact: clipped: `face`");

@@ -55,6 +55,14 @@ impl Folder {
         serde_json::from_str(&self.read(name)).unwrap()
     }
 
+    /// Changes every line of a file, which `change` takes with its number from 0.
+    pub(crate) fn edit(&self, name: &str, change: impl Fn(usize, &str) -> String) {
+        let text = self.read(name);
+        let lines = text.lines().enumerate();
+        let changed = lines.map(|(number, line)| change(number, line) + "\n");
+        self.write(name, changed.collect::<String>());
+    }
+
     /// The outcome of a sheet in the folder.
     pub(crate) fn run(&self, text: &str) -> Result<Outcome, RodlabError> {
         outcome_of(self.path(), text)

@@ -5,7 +5,7 @@ use rodlab::Outcome;
 use rodlab::outcome::Verdict;
 use testbed::noise::Noise;
 
-use super::{interval_of, numbers, run};
+use super::{interval_of, numbers};
 use crate::runs::{Folder, Words, attachments_of, figures_of};
 
 const RELAXED: f64 = 0.4e9;
@@ -57,15 +57,10 @@ const CREEP: &str = r#"(files: ["creep.csv"], time: 1, ramp: "0.2 min", modulus:
 
 fn folder() -> Folder {
     let folder = Folder::new();
-    let write = |name: &str, text: String| folder.write(name, text);
-    write(
-        "relaxation.csv",
-        rows("t (min),E (MPa)", 1, |t| 1e-6 * relaxation(t)),
-    );
-    write(
-        "creep.csv",
-        rows("t (min),J (1/GPa)", 2, |t| 1e9 * creep(t)),
-    );
+    let relaxation = rows("t (min),E (MPa)", 1, |t| 1e-6 * relaxation(t));
+    folder.write("relaxation.csv", relaxation);
+    let creep = rows("t (min),J (1/GPa)", 2, |t| 1e9 * creep(t));
+    folder.write("creep.csv", creep);
     folder
 }
 
@@ -105,19 +100,12 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
         let times = numbers(&outcome, "data", "time");
         assert!(times.iter().all(|time| *time > RAMP), "{times:?}");
         assert!((60..=150).contains(&times.len()), "{}", times.len());
-        assert!(
-            outcome
-                .attachments
-                .iter()
-                .any(|file| file.name == "material.json")
-        );
+        attachments_of(&outcome).must_say("material.json");
         assert_eq!(figures_of(&outcome), "over_time, laws_over_time");
     }
     // the joint fit uses half of the rows of each test, and thus half of the information
     let information = |width: &f64| 0.5 / (width * width);
-    let of_both = (information(&widths[0]) + information(&widths[1]))
-        .sqrt()
-        .recip();
+    let of_both = 1.0 / (information(&widths[0]) + information(&widths[1])).sqrt();
     assert!(
         (widths[2] / of_both - 1.0).abs() < 0.15,
         "{widths:?} {of_both}"

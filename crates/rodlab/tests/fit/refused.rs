@@ -1,6 +1,5 @@
 //! Wrong tables and sheets, with the message for each.
 
-use super::run;
 use crate::runs::{Folder, Words, with_causes};
 
 /// A table with three frequencies at two temperatures.
@@ -14,7 +13,7 @@ const SHEET: &str = r#"Fit(
 fn said(table: &str, sheet: &str) -> String {
     let folder = Folder::new();
     folder.write("t.csv", table);
-    let error = run(folder.path(), sheet).expect_err(sheet);
+    let error = folder.run(sheet).expect_err(sheet);
     with_causes(&error).replace(&folder.path().display().to_string(), "FOLDER")
 }
 
@@ -94,7 +93,7 @@ fn wrong_sheets_are_refused_where_they_are_wrong() {
 fn a_last_line_that_is_none_is_left_out_and_said() {
     let folder = Folder::new();
     folder.write("t.csv", format!("{TABLE}]22[Freq0.1-100_"));
-    let outcome = run(folder.path(), SHEET).unwrap();
+    let outcome = folder.run(SHEET).unwrap();
     let warning = "The rows of t.csv are followed by text that is not a row of numbers and was ignored: csv, line 9: row is `]22[Freq0.1-100_`, \
                    expected a row of 5 numbers.";
     assert!(
@@ -185,7 +184,7 @@ fn repeated_readings_are_averaged_and_compared_with_their_errors() {
             }
         }
         folder.write("t.csv", table);
-        let outcome = run(folder.path(), &sheet).unwrap();
+        let outcome = folder.run(&sheet).unwrap();
         let said = outcome.summary.join("\n");
         said.must_say("9 rows that repeat a frequency");
         format!("{:?}", outcome.verdict).must_begin(verdict);
@@ -201,7 +200,7 @@ fn rows_that_are_stored_twice_count_once() {
     let rows = "1,1000,100,20\n10,1100,110,20\n100,1200,120,20\n";
     let table = format!("f,E',E'',T\nHz,MPa,MPa,degC\n{rows}{rows}");
     folder.write("t.csv", table);
-    let outcome = run(folder.path(), SHEET).unwrap();
+    let outcome = folder.run(SHEET).unwrap();
     outcome.warnings.join("\n").must_say_all(&[
         "3 row(s) agree in every digit with another row",
         "first t.csv, line 6 with t.csv, line 3",
@@ -223,5 +222,5 @@ fn a_modulus_above_that_of_diamond_is_refused_unless_the_sheet_confirms_it() {
         "reference_temperature",
         "unusual: true, reference_temperature",
     );
-    assert!(run(folder.path(), &sheet).is_ok());
+    assert!(folder.run(&sheet).is_ok());
 }

@@ -11,6 +11,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::runs::Folder;
+
 pub(super) const RELAXED: f64 = 40e6;
 pub(super) const UNRELAXED: f64 = 2.6e9;
 pub(super) const RELAXATION_TIME: f64 = 2e-3;
