@@ -55,6 +55,13 @@ impl Folder {
         serde_json::from_str(&self.read(name)).unwrap()
     }
 
+    /// Writes the attachments of an outcome.
+    pub(crate) fn keep(&self, outcome: &Outcome) {
+        for file in &outcome.attachments {
+            self.write(&file.name, &file.bytes);
+        }
+    }
+
     /// Changes every line of a file, which `change` takes with its number from 0.
     pub(crate) fn edit(&self, name: &str, change: impl Fn(usize, &str) -> String) {
         let text = self.read(name);
