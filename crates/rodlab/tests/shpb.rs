@@ -4,19 +4,14 @@
 mod copper;
 mod records_of_others;
 
-use std::fs;
-use std::path::Path;
-
 use rodfigure::Mark;
 use rodlab::Outcome;
-use rodlab::outcome::Cells;
 use rodwave::inelastic::MaxwellNorton;
 use rodwave::line::Segment;
 use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 
 use crate::runs::{
-    Folder, Refused, Words, answered, column, estimate, outcome_of as run, quantity, table,
-    write_columns,
+    Folder, Refused, Words, answered, column, estimate, quantity, table, words, write_columns,
 };
 
 const RATE: f64 = 1e6;
@@ -30,12 +25,18 @@ fn rig() -> HopkinsonRig {
     }
 }
 
-fn shot(rig: &HopkinsonRig) -> HopkinsonTruth {
-    let area = 0.25 * std::f64::consts::PI * 0.014_f64.powi(2);
-    let law = MaxwellNorton::from_reference_rate(4.0, 300.0, 25e6).unwrap();
-    let specimen = Segment::new(0.006, area, 1100.0).unwrap();
-    rig.shot(Some(specimen.with_branch(1.2e9, law).unwrap()))
-        .unwrap()
+const AREA: f64 = 0.25 * std::f64::consts::PI * 0.014 * 0.014;
+
+/// A shot at a specimen with this stress at its reference rate.
+fn shot_at(stress: f64) -> HopkinsonTruth {
+    let law = MaxwellNorton::from_reference_rate(4.0, 300.0, stress).unwrap();
+    let specimen = Segment::new(0.006, AREA, 1100.0).unwrap();
+    let specimen = specimen.with_branch(1.2e9, law).unwrap();
+    rig().shot(Some(specimen)).unwrap()
+}
+
+fn shot() -> HopkinsonTruth {
+    shot_at(25e6)
 }
 
 fn exact_recorder() -> RecorderErrors {
@@ -47,13 +48,13 @@ fn exact_recorder() -> RecorderErrors {
     }
 }
 
-fn recorded(truth: &HopkinsonTruth) -> [Vec<f64>; 2] {
-    let [mut first, mut second] = truth.recorded(RATE, &exact_recorder(), 11);
+fn recorded(truth: &HopkinsonTruth, seed: u64) -> [Vec<f64>; 2] {
+    let [mut first, mut second] = truth.recorded(RATE, &exact_recorder(), seed);
     [first.remove(0), second.remove(0)]
 }
 
-fn write(folder: &Path, gauges: &[Vec<f64>; 2]) {
-    write_columns(&folder.join("shot.csv"), gauges);
+fn write(folder: &Folder, gauges: &[Vec<f64>; 2]) {
+    write_columns(&folder.file("shot.csv"), gauges);
 }
 
 /// The template with the sampling rate, which the file does not contain.
@@ -66,26 +67,22 @@ fn template() -> String {
 #[test]
 fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     let folder = Folder::new();
-    let truth = shot(&rig());
-    write(folder.path(), &recorded(&truth));
+    let truth = shot();
+    write(&folder, &recorded(&truth, 11));
     let outcome = answered(folder.run(&template()));
     let time = column(&outcome, "stress_strain", "time");
-    let area = 0.25 * std::f64::consts::PI * 0.014_f64.powi(2);
     let exact_strain = truth.strain(0.006);
     let (mut outside, mut all) = (0, 0);
     for (at, time) in time.iter().enumerate() {
         let seen = |history: &[f64]| truth.seen(history, RATE, 1e-6 * time);
-        let stress = 0.5e-6 * (seen(&truth.force[0]) + seen(&truth.force[1])) / area;
+        let stress = 0.5e-6 * (seen(&truth.force[0]) + seen(&truth.force[1])) / AREA;
         if stress < 3.0 {
             continue;
         }
         for (name, exact) in [("stress", stress), ("strain", seen(&exact_strain))] {
-            let found = column(&outcome, "stress_strain", name)[at];
-            let half = column(
-                &outcome,
-                "stress_strain",
-                &format!("95 % half width of the {name}"),
-            )[at];
+            let half = format!("95 % half width of the {name}");
+            let [found, half] =
+                [name, &half].map(|name| column(&outcome, "stress_strain", name)[at]);
             all += 1;
             outside += usize::from((found - exact).abs() > half);
         }
@@ -119,7 +116,7 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
 #[test]
 fn hopkinson_draws_stand_beside_linear_errors() {
     let folder = Folder::new();
-    write(folder.path(), &recorded(&shot(&rig())));
+    write(&folder, &recorded(&shot(), 11));
     let with = |n: &str| template().replace("// monte_carlo: 1000,", &format!("monte_carlo: {n},"));
     let outcome = answered(folder.run(&with("300")));
     for name in ["stress", "strain"] {
@@ -129,8 +126,8 @@ fn hopkinson_draws_stand_beside_linear_errors() {
         // 7 %; the limit is three times both
         assert!((found.value.unwrap() - 1.0).abs() < 0.24, "{found:?}");
     }
-    let refused = folder.run(&with("3")).refused();
-    refused.must_say("number of draws");
+    let few = folder.run(&with("3"));
+    few.refused().must_say("number of draws");
 }
 
 /// Three shots: the mean is the curve of the specimens, and a specimen of another material is
@@ -138,22 +135,16 @@ fn hopkinson_draws_stand_beside_linear_errors() {
 #[test]
 fn hopkinson_mean_of_three_shots() {
     let folder = Folder::new();
-    let truth = shot(&rig());
-    let softer = MaxwellNorton::from_reference_rate(4.0, 300.0, 23e6).unwrap();
-    let area = 0.25 * std::f64::consts::PI * 0.014_f64.powi(2);
-    let specimen = Segment::new(0.006, area, 1100.0).unwrap();
-    let other = rig()
-        .shot(Some(specimen.with_branch(1.2e9, softer).unwrap()))
-        .unwrap();
+    let truth = shot();
+    let other = shot_at(23e6);
     for (name, truth, seed) in [
         ("2", &truth, 2),
         ("3", &truth, 3),
         ("4", &other, 4),
         ("shot", &truth, 1),
     ] {
-        let [mut first, mut second] = truth.recorded(RATE, &exact_recorder(), seed);
-        write(folder.path(), &[first.remove(0), second.remove(0)]);
-        fs::rename(folder.file("shot.csv"), folder.file(format!("{name}.csv"))).unwrap();
+        let path = folder.file(format!("{name}.csv"));
+        write_columns(&path, &recorded(truth, seed));
     }
     let text = template();
     let from = text.find("    records: [(").unwrap();
@@ -164,13 +155,12 @@ fn hopkinson_mean_of_three_shots() {
         .replace("shot.csv", "FILE.csv");
     let with = |files: [&str; 2], specimen: &str| {
         let further = files.map(|file| format!("({}{specimen})", records.replace("FILE", file)));
-        text.replace(
-            "    // Before any pulse",
-            &format!(
-                "further_shots: [{}],\n    // Before any pulse",
-                further.join(", ")
-            ),
-        )
+        let before = "    // Before any pulse";
+        let further = format!("further_shots: [{}],\n{before}", further.join(", "));
+        text.replace(before, &further)
+    };
+    let ends = |outcome: &Outcome, words: &str| {
+        assert!(outcome.summary[1].ends_with(words), "{:?}", outcome.summary);
     };
     let outcome = answered(folder.run(&with(["2", "3"], "")));
     assert!(
@@ -192,26 +182,17 @@ fn hopkinson_mean_of_three_shots() {
     let mut outside = 0;
     for at in (20..190).step_by(10) {
         let after = exact.iter().position(|e| *e > strain[at]).unwrap();
-        let true_stress = 0.5e-6 * (forces[0][after] + forces[1][after]) / area;
+        let true_stress = 0.5e-6 * (forces[0][after] + forces[1][after]) / AREA;
         outside += usize::from((stress[at] - true_stress).abs() > half[at]);
     }
     // apart from noise the sheet is right, and it states common errors
     assert_eq!(outside, 0);
-    let outcome = folder.run(&with(["2", "4"], "")).unwrap();
-    assert!(
-        outcome.summary[1].ends_with("the specimens differ."),
-        "{:?}",
-        outcome.summary
-    );
     let wide = ", specimen: (length: \"6 mm\", diameter: \"14.2 mm ± 0.02 mm\")";
-    let outcome = folder.run(&with(["2", "3"], wide)).unwrap();
-    assert!(
-        outcome.summary[1].ends_with("the specimens differ."),
-        "{:?}",
-        outcome.summary
-    );
-    let missing = folder.run(&with(["2", "5"], "")).refused();
-    missing.must_say("`5.csv`");
+    for text in [with(["2", "4"], ""), with(["2", "3"], wide)] {
+        ends(&folder.run(&text).unwrap(), "the specimens differ.");
+    }
+    let missing = folder.run(&with(["2", "5"], ""));
+    missing.refused().must_say("`5.csv`");
 }
 
 /// Gauges on opposite sides of a bar that bends, each with its bridge, amplifier and file, act as
@@ -219,8 +200,8 @@ fn hopkinson_mean_of_three_shots() {
 #[test]
 fn hopkinson_bending_cancels_between_opposite_gauges() {
     let folder = Folder::new();
-    let records = recorded(&shot(&rig()));
-    write(folder.path(), &records);
+    let records = recorded(&shot(), 11);
+    write(&folder, &records);
     let single = folder.run(&template()).unwrap();
     let bend = |at: usize| 4e-4 * (at as f64 / 70.0).sin();
     let mut text = template();
@@ -246,10 +227,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
             );
         }
     }
-    let (from, to) = (
-        text.find("records: [").unwrap(),
-        text.find("// Before any pulse").unwrap(),
-    );
+    let [from, to] = ["records: [", "// Before any pulse"].map(|at| text.find(at).unwrap());
     text.replace_range(from..to, &format!("records: [{files}],\n"));
     let both = answered(folder.run(&text));
     for name in ["stress", "strain"] {
@@ -262,12 +240,9 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
     // the mean of two gauges with 0.5 % each has an error of 0.35 %; this sheet states no delay,
     // unlike the other one
     let budget = |outcome: &Outcome| {
-        let table = table(outcome, "budget");
-        let (Cells::Words(names), Cells::Numbers(stress)) =
-            (&table.columns[0].cells, &table.columns[1].cells)
-        else {
-            panic!("{table:?}")
-        };
+        let columns = &table(outcome, "budget").columns;
+        let names = words(outcome, "budget", &columns[0].name);
+        let stress = column(outcome, "budget", &columns[1].name);
         let of = |name: &String| name.contains("factor") && name.contains("transmitted");
         stress[names.iter().position(of).unwrap()]
     };
@@ -279,14 +254,14 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
 #[test]
 fn hopkinson_mistakes_are_named() {
     let folder = Folder::new();
-    let truth = shot(&rig());
-    let right = recorded(&truth);
+    let truth = shot();
+    let right = recorded(&truth, 11);
     let [first, second] = right.clone();
     let text = template();
     let scaled =
         |values: &[f64], factor: f64| values.iter().map(|x| factor * x).collect::<Vec<_>>();
     let standing = |records: &[Vec<f64>; 2], text: &str| {
-        write(folder.path(), records);
+        write(&folder, records);
         match folder.run(text) {
             Ok(outcome) => (
                 outcome.verdict.standing().exit_status(),
@@ -369,13 +344,10 @@ fn hopkinson_mistakes_are_named() {
 
 /// Runs a plan in `folder`, writes its files, and returns its outcome with the sheet that evaluates
 /// them.
-fn made_by(folder: &Path, plan: &str) -> (Outcome, String) {
-    let made = run(folder, plan).unwrap();
-    for file in &made.attachments {
-        fs::write(folder.join(&file.name), &file.bytes).unwrap();
-    }
-    let sheet = fs::read_to_string(folder.join("shpb.ron")).unwrap();
-    (made, sheet)
+fn made_by(folder: &Folder, plan: &str) -> (Outcome, String) {
+    let made = folder.run(plan).unwrap();
+    folder.keep(&made);
+    (made, folder.read("shpb.ron"))
 }
 
 /// A plan with bars of nylon and these gauges.
@@ -405,16 +377,13 @@ fn hopkinson_virtual_shot_comes_back() {
         r#"["900 mm"]"#,
         r#"["400 mm"]"#,
     );
-    let (made, sheet) = made_by(folder.path(), &plan);
+    let (made, sheet) = made_by(&folder, &plan);
     let found = answered(folder.run(&sheet));
     let truth = |name: &str| column(&made, "true-stress-strain", name);
     let ours = |name: &str| column(&found, "stress_strain", name);
     for name in ["stress", "strain"] {
         let largest = truth(name).iter().fold(0.0_f64, |most, x| most.max(*x));
-        let half = ours(match name {
-            "stress" => "95 % half width of the stress",
-            _ => "95 % half width of the strain",
-        });
+        let half = ours(&format!("95 % half width of the {name}"));
         let (mut worst, mut outside, mut all) = (0.0_f64, 0, 0);
         for ((time, value), half) in ours("time").iter().zip(ours(name)).zip(half) {
             let Some(after) = truth("time").iter().position(|t| t > time) else {
@@ -469,17 +438,16 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
         r#"["1100 mm", "500 mm"]"#,
         r#"["300 mm", "800 mm"]"#,
     );
-    let (_, mut sheet) = made_by(folder.path(), &plan);
+    let (_, mut sheet) = made_by(&folder, &plan);
     for at in [1100, 500, 300, 800] {
         let [exact, known] = ["", " ± 1 mm"].map(|error| format!("at: \"{at} mm{error}\""));
-        assert!(sheet.contains(&exact), "{sheet}");
+        sheet.must_say(&exact);
         sheet = sheet.replace(&exact, &known);
     }
     answered(folder.run(&sheet));
-    let shot = folder.file("shot-1.csv");
-    let record = fs::read_to_string(&shot).unwrap();
+    let record = folder.read("shot-1.csv");
     for (side, column, by) in [("incident", 2, 4), ("transmitted", 4, 3)] {
-        fs::write(&shot, delayed(&record, column, by)).unwrap();
+        folder.write("shot-1.csv", delayed(&record, column, by));
         let found = folder.run(&sheet).unwrap();
         let said = found.verdict.headline(&found.summary);
         assert_eq!(found.verdict.standing().exit_status(), 3, "{side}: {said}");
@@ -488,7 +456,7 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
         let lag: f64 = after.split(' ').next().unwrap().parse().unwrap();
         // samples of 2 us; the fit is linear in the lag, which is an error of 2 % of 8 us
         assert!((lag - 2.0 * by as f64).abs() < 0.4, "{said}");
-        assert!(after.contains("later than gauge 1 predicts"), "{said}");
+        after.must_say("later than gauge 1 predicts");
     }
 }
 
@@ -508,7 +476,7 @@ fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
             law: Norton(exponent: "6", rate_at_10_mpa: "0.01 1/s"), hardening: "200 MPa")),
     instrument: (sampling_rate: "1 MHz", length: "1.2 ms", before: "0.2 ms", noise: "0.1 %", converter: (bits: 14)),
     output: "shot.csv")"#;
-    let (made, sheet) = made_by(folder.path(), plan);
+    let (made, sheet) = made_by(&folder, plan);
     let sheet = sheet
         .replace("at: \"900 mm\"", "at: \"900 mm ± 1 mm\"")
         .replace("at: \"400 mm\"", "at: \"400 mm ± 1 mm\"");
@@ -523,7 +491,6 @@ fn hopkinson_largest_stress_is_quoted_from_equilibrium() {
     let exact = truth("stress")[after];
     assert!((stress - exact).abs() < 2.0 * error, "{stress} {exact}");
     found.summary[0].must_begin("The largest stress in equilibrium is (");
-    found
-        .summary
-        .must_say("not known to be in equilibrium there");
+    let beyond = "not known to be in equilibrium there";
+    found.summary.must_say(beyond);
 }

@@ -3,13 +3,12 @@
 
 use std::f64::consts::PI;
 use std::fs;
-use std::path::Path;
 
 use rodlab::Outcome;
 use rodwave::fourier::RealFourier;
 use testbed::measured;
 
-use super::{column, quantity, run, write_columns};
+use super::{column, quantity, write_columns};
 use crate::runs::Folder;
 
 const NAME: &str = "copper/gauge_strain_records.csv";
@@ -99,8 +98,8 @@ impl Elements {
 }
 
 /// The sheet of the shot, with the samples in a file at even times.
-fn evaluated(folder: &Path, gauges: &[Vec<f64>; 2], poisson_ratio: &str) -> Outcome {
-    write_columns(&folder.join("copper.csv"), gauges);
+fn evaluated(folder: &Folder, gauges: &[Vec<f64>; 2], poisson_ratio: &str) -> Outcome {
+    write_columns(&folder.file("copper.csv"), gauges);
     let bar = |channel: usize, separation: &str| {
         format!(
             r#"(waves: Speed(density: "7850 kg/m3", wave_speed: "5122.7 m/s ± 5 m/s"), diameter: "16 mm", length: "1000 mm",
@@ -121,7 +120,7 @@ fn evaluated(folder: &Path, gauges: &[Vec<f64>; 2], poisson_ratio: &str) -> Outc
         channel(1),
         channel(2)
     );
-    let outcome = run(folder, &text).unwrap();
+    let outcome = folder.run(&text).unwrap();
     println!("{:?}\n{:?}", outcome.verdict, outcome.summary);
     assert_ne!(
         outcome.verdict.standing().exit_status(),
@@ -261,7 +260,7 @@ fn hopkinson_copper_has_the_velocities_of_its_faces() {
     };
     let of = |times: &[f64], poisson_ratio: &str| {
         let gauges = GAUGES.map(|name| elements.at_even_times(name, times));
-        evaluated(folder.path(), &gauges, poisson_ratio)
+        evaluated(&folder, &gauges, poisson_ratio)
     };
     let (theirs, mended) = (elements.column("time_s"), elements.mended_times());
     let ratio = r#"poisson_ratio: "0.3","#;
@@ -311,7 +310,7 @@ fn hopkinson_copper_has_another_stress_than_its_reference() {
     let folder = Folder::new();
     let times = elements.column("time_s");
     let gauges = GAUGES.map(|name| elements.at_even_times(name, &times));
-    let outcome = evaluated(folder.path(), &gauges, r#"poisson_ratio: "0.3","#);
+    let outcome = evaluated(&folder, &gauges, r#"poisson_ratio: "0.3","#);
     let (time, stress) = (
         column(&outcome, "stress_strain", "time"),
         column(&outcome, "stress_strain", "stress"),

@@ -5,7 +5,7 @@ use std::fs;
 use rodlab::Outcome;
 use testbed::measured;
 
-use super::{column, run};
+use super::column;
 use crate::runs::{Folder, Words, without_formats};
 
 /// The outcome of a sheet in a folder with copies of measured files; prints a message and returns
@@ -21,7 +21,7 @@ fn outcome(files: &[&str], sheet: &str) -> Option<Outcome> {
         }
         fs::copy(&path, folder.file(path.file_name().unwrap())).unwrap();
     }
-    let outcome = run(folder.path(), sheet).unwrap();
+    let outcome = folder.run(sheet).unwrap();
     println!("{:?}\n{:?}", outcome.verdict, outcome.summary);
     Some(outcome)
 }
