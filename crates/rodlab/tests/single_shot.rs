@@ -2,7 +2,6 @@
 //! gauges, a filter, noise and a converter.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use num_complex::Complex64;
 use rodlab::Outcome;
@@ -11,7 +10,8 @@ use testbed::long_bar::LongBar;
 use testbed::ringing_rod::RingingRod;
 
 use crate::runs::{
-    Folder, Refused, Words, answered, column as numbers, quantity, refusal, words, write_columns,
+    Folder, Refused, Words, answered, column as numbers, doubts, estimate, refusal, words,
+    write_columns,
 };
 
 /// Writes the records of the gauges, multiplied by `factor`, as columns of a text table.
@@ -57,22 +57,18 @@ fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
 /// Number of valid lines, and numbers of those that are off by more than 1.96 stated errors of E'
 /// and of the loss factor.
 fn outside(outcome: &Outcome) -> [usize; 3] {
-    let words = words(outcome, "modulus", "validity");
     let mut found = [0; 3];
-    for line in (0..words.len()).filter(|line| words[*line] == "valid") {
+    for line in valid_lines(outcome) {
         let s = Complex64::new(0.0, TAU * column(outcome, "frequency")[line]);
         let exact = (LongBar::glassy().modulus)(s);
         let z = |name: &str, exact: f64, error: &str| {
             (column(outcome, name)[line] - exact).abs() / column(outcome, error)[line]
         };
+        let (storage, loss) = (exact.re / 1e9, exact.im / exact.re);
+        let of_loss = "standard error of the loss factor";
         found[0] += 1;
-        found[1] += usize::from(z("E'", exact.re / 1e9, "standard error of E'") > 1.96);
-        let loss = z(
-            "loss factor",
-            exact.im / exact.re,
-            "standard error of the loss factor",
-        );
-        found[2] += usize::from(loss > 1.96);
+        found[1] += usize::from(z("E'", storage, "standard error of E'") > 1.96);
+        found[2] += usize::from(z("loss factor", loss, of_loss) > 1.96);
     }
     found
 }
@@ -90,24 +86,16 @@ fn covers(outcome: &Outcome, fewest: usize) {
 
 #[test]
 fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
-    let folder = Folder::new();
-    write(
-        folder.path(),
-        &LongBar::glassy().shot(&[1.0, 1.025], 7),
-        1.0,
-    );
+    let rows = LongBar::glassy().shot(&[1.0, 1.025], 7);
+    let folder = shot(&rows);
     let text = sheet(BEFORE_END, STRAINS, SILENT);
     let strains = answered(folder.run(&text));
-    strains
-        .summary
-        .must_begin("The records end before the rod is at rest");
+    let rings = "The records end before the rod is at rest";
+    strains.summary.must_begin(rings);
     covers(&strains, 35);
-    let gain = quantity(&strains, "error of the sensitivity of gauge 2, found");
-    let (value, error) = (gain.value.unwrap(), gain.standard_error.unwrap());
-    assert!(
-        (value - 100.0 * 1.025_f64.ln()).abs() < 3.0 * error && error < 0.4,
-        "{gain:?}"
-    );
+    let (gain, error) = estimate(&strains, "error of the sensitivity of gauge 2, found");
+    let off = (gain - 100.0 * 1.025_f64.ln()).abs();
+    assert!(off < 3.0 * error && error < 0.4, "{gain} {error}");
 
     // the same bar with records of forces, strains multiplied by modulus and area
     write(
@@ -132,12 +120,11 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
 /// An accelerometer on the end, stated as 20 g ± 2 %, which is truly 0.3 g heavier.
 #[test]
 fn a_mass_on_the_end_is_its_condition() {
-    let folder = Folder::new();
     let bar = LongBar {
         end_mass: 0.0203,
         ..LongBar::glassy()
     };
-    write(folder.path(), &bar.shot(&[1.0, 1.025], 7), 1.0);
+    let folder = shot(&bar.shot(&[1.0, 1.025], 7));
     let free = sheet(BEFORE_END, STRAINS, SILENT);
     let with_mass = |text: &str, mass: &str| {
         let mass = format!(r#"density: "1190 kg/m3", accelerometer_mass: "{mass}""#);
@@ -166,13 +153,12 @@ fn a_mass_on_the_end_is_its_condition() {
 /// end.
 #[test]
 fn one_shot_has_its_errors_from_the_silence() {
-    let folder = Folder::new();
     let bar = LongBar {
         pulse: [60e-6, 200e-6, 60e-6],
         gauges: vec![0.5, 1.1],
         ..LongBar::glassy()
     };
-    write(folder.path(), &bar.shot(&[1.0, 1.0], 3), 1.0);
+    let folder = shot(&bar.shot(&[1.0, 1.0], 3));
     let units = [r#"unit: "strain""#, r#"unit: "strain""#];
     let pulses = r#"SeparatePulses(first: (channel: "g1", from: "1.2 ms", to: "2.2 ms"), second: (channel: "g2", from: "1.65 ms", to: "2.65 ms"), distance: "600 mm")"#;
     let outcome = answered(folder.run(&sheet(pulses, units, SILENT)));
@@ -186,18 +172,14 @@ fn one_shot_has_its_errors_from_the_silence() {
 
 #[test]
 fn what_a_bar_cannot_have_is_said() {
-    let folder = Folder::new();
-    write(folder.path(), &LongBar::glassy().shot(&[1.0, 1.0], 7), 1.0);
-    let said = |method: &str, rest: &str| match folder.run(&sheet(method, STRAINS, rest)) {
-        Err(error) => error.to_string(),
-        Ok(outcome) => panic!("{:?}", outcome.summary),
-    };
+    let folder = shot(&LongBar::glassy().shot(&[1.0, 1.0], 7));
+    let said = |method: &str, rest: &str| folder.run(&sheet(method, STRAINS, rest)).refused();
     let first = r#"FreeEnd(first: (channel: "g1", from_free_end: "900 mm"), second: (channel: "g2", from_free_end: "500 mm"))"#;
     let window = format!("{SILENT} exponential_window: Some(EndWeight(weight: \"1 %\")),");
     let all = [
         said(&BEFORE_END.replace("2500 mm", "1800 mm"), SILENT),
         said(
-            &BEFORE_END.replace(", free_end_at: \"2500 mm\"", ""),
+            &BEFORE_END.replace(r#", free_end_at: "2500 mm""#, ""),
             SILENT,
         ),
         said(first, &window),
@@ -221,17 +203,16 @@ fn lines_valid_within_limits_keep_them() {
         bits: 18,
         ..LongBar::glassy()
     };
-    let text = sheet(BEFORE_END, STRAINS, SILENT).replace(
-        "(loss_factor: \"100 %\")",
-        "(storage_modulus: \"1 %\", loss_factor: \"10 %\")",
-    );
+    let [wide, narrow] = [
+        r#"(loss_factor: "100 %")"#,
+        r#"(storage_modulus: "1 %", loss_factor: "10 %")"#,
+    ];
+    let text = sheet(BEFORE_END, STRAINS, SILENT).replace(wide, narrow);
     let mut parts: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     for seed in 100..120 {
-        let folder = Folder::new();
-        write(folder.path(), &bar.shot(&[1.0, 0.97], seed), 1.0);
+        let folder = shot(&bar.shot(&[1.0, 0.97], seed));
         let outcome = folder.run(&text).unwrap();
-        let words = words(&outcome, "modulus", "validity");
-        for line in (0..words.len()).filter(|line| words[*line] == "valid") {
+        for line in valid_lines(&outcome) {
             let s = Complex64::new(0.0, TAU * column(&outcome, "frequency")[line]);
             let exact = (bar.modulus)(s);
             let off = [
@@ -259,8 +240,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let bar = RingingRod::steel(1e-4);
     // 2 ms of rest before the hit
     let exact = [vec![0.0; 96], bar.ringing(48_000)].concat();
-    let folder = Folder::new();
-    write(folder.path(), &[RingingRod::recorded(&exact, 1e-3, 8)], 1.0);
+    let folder = shot(&[RingingRod::recorded(&exact, 1e-3, 8)]);
     let with = |from: &str, speed: &str, rest: &str| {
         let text = format!(
             r#"Modulus(
@@ -283,11 +263,11 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
         // the error is due to the density, 0.026 %, and the length, 0.007 %
         let error = 1e9 * column(&outcome, "standard error of E'")[line] / truth.re;
         assert!(
-            storage.abs() < 1e-6 && (2e-4..4e-4).contains(&error),
-            "{storage:e} {error:e}"
+            off.abs() < 1e-6 && (2e-4..4e-4).contains(&error),
+            "{off:e} {error:e}"
         );
-        let off = column(&outcome, "loss factor")[line] - truth.im / truth.re;
-        let error = column(&outcome, "standard error of the loss factor")[line];
+        let off = of("loss factor") - truth.im / truth.re;
+        let error = of("standard error of the loss factor");
         assert!(
             off.abs() < 4.0 * error && error < 1e-6,
             "{off:e} ± {error:e}"
@@ -348,23 +328,17 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
     let exact = (206e9 / 7800.0_f64).sqrt();
     let (mut counts, mut squares, mut answered) = ([0_usize; 3], 0.0, 0);
     for seed in 0..20 {
-        let folder = Folder::new();
-        write(folder.path(), &bar.shot(&[1.0, 1.01], seed), 1.0);
+        let folder = shot(&bar.shot(&[1.0, 1.01], seed));
         let text = sheet(BEFORE_END, STRAINS, SILENT)
             .replace("1190 kg/m3", "7800 kg/m3")
             .replace(
-                "from: \"700 Hz\", to: \"12 kHz\"",
-                "from: \"2 kHz\", to: \"10 kHz\"",
+                r#"from: "700 Hz", to: "12 kHz""#,
+                r#"from: "2 kHz", to: "10 kHz""#,
             )
             .replace("loss_factor: \"100 %\"", "loss_factor: \"100000 %\"");
         let outcome = folder.run(&text).unwrap();
-        let words = words(&outcome, "modulus", "validity");
         answered += usize::from(outcome.verdict == Verdict::Answered);
-        let valid = words
-            .iter()
-            .enumerate()
-            .filter(|(_, word)| *word == "valid");
-        for (line, _) in valid {
+        for line in valid_lines(&outcome) {
             let of = |name: &str| column(&outcome, name)[line];
             let speed = of("phase velocity") / exact - 1.0;
             let of_speed = of("standard error of the phase velocity") / exact;
