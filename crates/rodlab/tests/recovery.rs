@@ -3,7 +3,6 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::fs;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

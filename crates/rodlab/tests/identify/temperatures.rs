@@ -46,8 +46,8 @@ fn an_activation_energy_is_found_from_two_temperatures() {
     let untold = tests
         .clone()
         .map(|test| test.replace(r#"temperature: "45 degC","#, ""));
-    let refusal = refused(folder.path(), &sheet(&untold, &activated));
+    let refusal = refused(&folder, &sheet(&untold, &activated));
     refusal.must_say("tests[2].temperature is absent");
-    let refusal = refused(folder.path(), &sheet(&tests[..2], &activated));
+    let refusal = refused(&folder, &sheet(&tests[..2], &activated));
     refusal.must_say("temperatures within 0.0 K");
 }
