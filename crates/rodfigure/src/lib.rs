@@ -58,6 +58,13 @@ impl Figure {
         }
     }
 
+    /// The figure with a caption.
+    #[must_use]
+    pub fn with_caption(self, caption: impl Into<String>) -> Self {
+        let caption = caption.into();
+        Self { caption, ..self }
+    }
+
     /// Draws the figure as an SVG file in `folder` and returns the path of the file. The folder is
     /// created if it does not exist.
     ///

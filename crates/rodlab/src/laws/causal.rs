@@ -230,13 +230,9 @@ fn figure(lines: &[Line], shown: &Shown<'_>) -> Figure {
             &|line| line.error_of_loss_factor(line.all),
         ),
     ];
-    Figure {
-        caption: format!(
-            "The relaxing material nearest to all lines together, with a band of two standard errors, which are correlated between frequencies. {}",
-            shown.drawn.caption
-        )
-        .trim_end()
-        .to_owned(),
-        ..Figure::new("causal", "Causal modulus", panels)
-    }
+    let caption = format!(
+        "The relaxing material nearest to all lines together, with a band of two standard errors, which are correlated between frequencies. {}",
+        shown.drawn.caption
+    );
+    Figure::new("causal", "Causal modulus", panels).with_caption(caption.trim_end())
 }

@@ -294,9 +294,8 @@ fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) ->
         best.law.law(),
         lines.drawn.caption
     );
-    let figure = |name: &str, title: &str, panels| Figure {
-        caption: caption.clone(),
-        ..Figure::new(name, title, panels)
+    let figure = |name: &str, title: &str, panels| {
+        Figure::new(name, title, panels).with_caption(caption.clone())
     };
     let mut figures = Vec::new();
     let of_tests: Vec<Panel> = [

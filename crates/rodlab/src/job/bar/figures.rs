@@ -34,10 +34,9 @@ pub(super) fn propagation(lines: &[Line]) -> Result<Figure, RodlabError> {
         panel(damping, "damping coefficient", "1/m"),
         panel(speed, "phase velocity", "m/s"),
     ];
-    Ok(Figure {
-        caption: "Valid lines with their 95 % bands. The curves include the effect of lateral inertia, for which the modulus is corrected.".to_owned(),
-        ..Figure::new("propagation", "Propagation of waves in the bar", panels)
-    })
+    Ok(Figure::new("propagation", "Propagation of waves in the bar", panels).with_caption(
+        "Valid lines with their 95 % bands. The curves include the effect of lateral inertia, for which the modulus is corrected.",
+    ))
 }
 
 /// Figures of the first shot: its passages, its waves, and the residual of the model.
@@ -79,10 +78,9 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
         }
         panels.push(panel("record minus its level at rest", marks));
     }
-    let passed = Figure {
-        caption: "The first shot. The passages of the pulse past a gauge are numbered: first its front, then its returns from the free end and from the struck end, as expected for the wave speed in the middle of the band. With one gauge, the windows are marked.".to_owned(),
-        ..Figure::new("passages", "Passages of the pulse", panels)
-    };
+    let passed = Figure::new("passages", "Passages of the pulse", panels).with_caption(
+        "The first shot. The passages of the pulse past a gauge are numbered: first its front, then its returns from the free end and from the struck end, as expected for the wave speed in the middle of the band. With one gauge, the windows are marked.",
+    );
     let separated = waves.at.iter().map(|(place, along, against)| {
         let x = times(along.len());
         let marks = vec![
@@ -92,11 +90,9 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
         panel(&format!("waves {place}"), marks)
     });
     let (name, title) = ("separated_waves", "Waves at the gauge and at the ends");
-    let separated = Figure {
-        caption: "Computed from the first gauge and the free end, in the band of the valid lines. A wave that is traced back to the struck end grows, and ends correspondingly earlier."
-            .to_owned(),
-        ..Figure::new(name, title, separated.collect())
-    };
+    let separated = Figure::new(name, title, separated.collect()).with_caption(
+        "Computed from the first gauge and the free end, in the band of the valid lines. A wave that is traced back to the struck end grows, and ends correspondingly earlier.",
+    );
     let x = times(waves.measured.len());
     let left: Vec<f64> = waves
         .measured
@@ -113,12 +109,9 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
         panel("history", both),
         panel("record minus model", vec![left]),
     ];
-    let model = Figure {
-        caption: format!(
-            "The history at {} in the band of the valid lines: as recorded, and as predicted from the waves at the first gauge. Below: the residual.",
-            waves.gauge
-        ),
-        ..Figure::new("model", "Model and record", panels)
-    };
+    let model = Figure::new("model", "Model and record", panels).with_caption(format!(
+        "The history at {} in the band of the valid lines: as recorded, and as predicted from the waves at the first gauge. Below: the residual.",
+        waves.gauge
+    ));
     vec![passed, separated, model]
 }

@@ -69,10 +69,9 @@ fn over_time(found: &Found<'_>) -> Figure {
     let marks = found.steps.iter().enumerate().map(of_step).collect();
     let modulus = Axis::logarithmic(format!("{} over time", found.symbol()), unit);
     let panel = Panel::new(Axis::logarithmic("time", "s"), modulus, marks);
-    Figure {
-        caption: "As given in the tables: E(t) of relaxation, 1/J(t) of creep, from the start of the load.".to_owned(),
-        ..Figure::new("over_time", "Moduli over time as measured", vec![panel])
-    }
+    Figure::new("over_time", "Moduli over time as measured", vec![panel]).with_caption(
+        "As given in the tables: E(t) of relaxation, 1/J(t) of creep, from the start of the load.",
+    )
 }
 
 /// Returns the name of a step in the legend. If there are more than [`MOST_NAMED`] steps, only the
@@ -140,14 +139,11 @@ fn moduli(found: &Found<'_>) -> Figure {
     let storage = marks(|modulus| modulus.re, |row| row.covariance.real.sqrt());
     let loss = marks(|modulus| modulus.im, |row| row.covariance.imaginary.sqrt());
     let panels = vec![panel("'", storage), panel("''", loss)];
-    Figure {
-        caption: if found.sweep.is_some() {
-            "Lines: the series of the master curve, shifted to each temperature.".to_owned()
-        } else {
-            "As given in the tables.".to_owned()
-        },
-        ..Figure::new("moduli", "Moduli as measured", panels)
-    }
+    Figure::new("moduli", "Moduli as measured", panels).with_caption(if found.sweep.is_some() {
+        "Lines: the series of the master curve, shifted to each temperature."
+    } else {
+        "As given in the tables."
+    })
 }
 
 /// Diagrams without frequency: loss angle over |E|, loss factor over E', and E'' over E'. The
@@ -181,17 +177,15 @@ fn black_diagram(found: &Found<'_>) -> Figure {
             &|modulus| (modulus.re / pascal, modulus.im / pascal),
         ),
     ];
-    Figure {
-        caption: format!(
-            "Loss angle against |{symbol}| (Black), loss factor against {symbol}' (wicket) and {symbol}'' against {symbol}' (Cole and Cole). A shift in \
-             frequency does not move a point in these plots: if the points of all temperatures do not fall on one curve, shifts in frequency alone cannot join them."
-        ),
-        ..Figure::new(
-            "black_diagram",
-            "Black diagram, wicket plot and Cole-Cole plot",
-            panels,
-        )
-    }
+    Figure::new(
+        "black_diagram",
+        "Black diagram, wicket plot and Cole-Cole plot",
+        panels,
+    )
+    .with_caption(format!(
+        "Loss angle against |{symbol}| (Black), loss factor against {symbol}' (wicket) and {symbol}'' against {symbol}' (Cole and Cole). A shift in \
+         frequency does not move a point in these plots: if the points of all temperatures do not fall on one curve, shifts in frequency alone cannot join them."
+    ))
 }
 
 /// Returns the Prony series of a master curve at reduced frequencies \[Hz\] in the range of its
@@ -287,16 +281,14 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep, series: &[(f64, PredictedModul
         panel("loss factor", "", factor),
     ]);
     let reference = super::steps::celsius(curve.reference_temperature);
-    Figure {
-        caption: if found.has_times() {
-            "Rows of all temperatures at their reduced times, each temperature with the series for its own ramp, and over frequency the \
-             prediction of the series."
-        } else {
-            "Lines of all temperatures at their reduced frequencies, with the series that is fitted to all together."
-        }
-        .to_owned(),
-        ..Figure::new("master_curve", format!("Master curve at {reference}"), panels)
-    }
+    let caption = if found.has_times() {
+        "Rows of all temperatures at their reduced times, each temperature with the series for its own ramp, and over frequency the \
+         prediction of the series."
+    } else {
+        "Lines of all temperatures at their reduced frequencies, with the series that is fitted to all together."
+    };
+    let title = format!("Master curve at {reference}");
+    Figure::new("master_curve", title, panels).with_caption(caption)
 }
 
 fn shifts(sweep: &Sweep) -> Figure {
@@ -338,10 +330,7 @@ fn shifts(sweep: &Sweep) -> Figure {
             marks,
         ));
     }
-    Figure {
-        caption:
-            "Points with one standard error, and the laws fitted to those that are identified."
-                .to_owned(),
-        ..Figure::new("shifts", "Shifts over temperature", panels)
-    }
+    Figure::new("shifts", "Shifts over temperature", panels).with_caption(
+        "Points with one standard error, and the laws fitted to those that are identified.",
+    )
 }

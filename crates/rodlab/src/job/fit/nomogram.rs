@@ -70,25 +70,23 @@ pub(super) fn nomogram(
     let is_one = shifts
         .iter()
         .all(|shift| (shift.vertical - 1.0).abs() < 1e-12);
-    Figure {
-        caption: format!(
-            "From a frequency across to the line of a temperature, and from there straight up to {symbol}' and the loss factor, each with \
-             two standard errors of the series.{}",
-            if is_one {
-                ""
-            } else {
-                " The modulus applies at the reference temperature; for another temperature, multiply it by the factor of that temperature."
-            }
+    Figure::new(
+        "nomogram",
+        format!(
+            "Nomogram, reduced to {}",
+            celsius(curve.reference_temperature)
         ),
-        ..Figure::new(
-            "nomogram",
-            format!(
-                "Nomogram, reduced to {}",
-                celsius(curve.reference_temperature)
-            ),
-            vec![moduli, temperatures],
-        )
-    }
+        vec![moduli, temperatures],
+    )
+    .with_caption(format!(
+        "From a frequency across to the line of a temperature, and from there straight up to {symbol}' and the loss factor, each with \
+         two standard errors of the series.{}",
+        if is_one {
+            ""
+        } else {
+            " The modulus applies at the reference temperature; for another temperature, multiply it by the factor of that temperature."
+        }
+    ))
 }
 
 fn reduced_frequency() -> Axis {

@@ -91,10 +91,9 @@ fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Result<Figu
     let name = format!("force up to {upper} kHz");
     marks.push(Mark::curve(name, Role::First, &time, newtons.to_vec()));
     let panel = Panel::new(("time", "ms"), ("force", "N"), marks).with_greyed(apart(march));
-    Ok(Figure {
-        caption: "Positive in compression. The faces are apart in the grey intervals. The band ends where its Gaussian low-pass is 3 dB down.".to_owned(),
-        ..Figure::new("force", "Impact force", vec![panel])
-    })
+    Ok(Figure::new("force", "Impact force", vec![panel]).with_caption(
+        "Positive in compression. The faces are apart in the grey intervals. The band ends where its Gaussian low-pass is 3 dB down.",
+    ))
 }
 
 fn faces(march: &UncertainPrediction) -> Figure {
@@ -114,10 +113,8 @@ fn faces(march: &UncertainPrediction) -> Figure {
         panel("velocity", "m/s", velocities),
         panel("approach", "µm", approach),
     ];
-    Figure {
-        caption: "The approach is negative where there is a gap.".to_owned(),
-        ..Figure::new("faces", "Velocities and approach of the faces", panels)
-    }
+    Figure::new("faces", "Velocities and approach of the faces", panels)
+        .with_caption("The approach is negative where there is a gap.")
 }
 
 /// Figure of energy and momentum over time.
@@ -147,17 +144,17 @@ fn energies(march: &UncertainPrediction) -> Figure {
         marks.push(Mark::curve("contact", Role::Fifth, &time, found.in_contact));
     }
     let momentum = Mark::curve("", Role::First, &time, found.impulse);
-    Figure {
-        caption: "In the frame in which the second body is at rest before the impact. If the first body is free, all energies add up to its energy before the impact.".to_owned(),
-        ..Figure::new(
-            "energies",
-            "Energy and momentum over time",
-            vec![
-                panel(("energy", "J"), marks),
-                panel(("momentum transferred", "N s"), vec![momentum]),
-            ],
-        )
-    }
+    Figure::new(
+        "energies",
+        "Energy and momentum over time",
+        vec![
+            panel(("energy", "J"), marks),
+            panel(("momentum transferred", "N s"), vec![momentum]),
+        ],
+    )
+    .with_caption(
+        "In the frame in which the second body is at rest before the impact. If the first body is free, all energies add up to its energy before the impact.",
+    )
 }
 
 /// Figure of the contributions of the error sources to the band over time; `None` without draws.
@@ -178,14 +175,14 @@ fn sources(march: &UncertainPrediction) -> Option<Figure> {
     marks.push(Mark::curve("numerical", Role::Fifth, &time, numerical));
     let all = march.limited_errors()?;
     marks.push(Mark::curve("all", Role::Reference, &time, all));
-    Some(Figure {
-        caption: "Standard errors of the force in the band by each source alone; their squares add up. The numerical error is the change with half the time step, combined with the change when parts of the lines of measured bodies are left out.".to_owned(),
-        ..Figure::new(
-            "sources",
-            "Contributions to the band of the force",
-            vec![Panel::new(("time", "ms"), ("standard error", "N"), marks).with_greyed(apart(march))],
-        )
-    })
+    Some(Figure::new(
+        "sources",
+        "Contributions to the band of the force",
+        vec![Panel::new(("time", "ms"), ("standard error", "N"), marks).with_greyed(apart(march))],
+    )
+    .with_caption(
+        "Standard errors of the force in the band by each source alone; their squares add up. The numerical error is the change with half the time step, combined with the change when parts of the lines of measured bodies are left out.",
+    ))
 }
 
 fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
@@ -217,10 +214,10 @@ fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, Rod
         panel(Axis::logarithmic("mobility", "m/(N s)"), magnitudes),
         panel(phase, phases),
     ];
-    Ok(Figure {
-        caption: "A passive body has a phase between -90 and 90 degrees.".to_owned(),
-        ..Figure::new("mobilities", "Mobilities of the impact faces", panels)
-    })
+    Ok(
+        Figure::new("mobilities", "Mobilities of the impact faces", panels)
+            .with_caption("A passive body has a phase between -90 and 90 degrees."),
+    )
 }
 
 /// Figure of the stick force with its bands, and of the impact force until the faces part.
@@ -267,8 +264,5 @@ fn stick(lines: &OnLines, until: f64) -> Figure {
         marks.push(Mark::curve(name, Role::Reference, &time, force));
     }
     let panel = Panel::new(("time", "ms"), ("force", "N"), marks);
-    Figure {
-        caption,
-        ..Figure::new("stick_force", "Stick force on lines", vec![panel])
-    }
+    Figure::new("stick_force", "Stick force on lines", vec![panel]).with_caption(caption)
 }

@@ -62,11 +62,9 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         Panel::new(shown(), ("force", "N"), marks),
         Panel::new(shown(), ("response", problem.first.unit), vec![response]),
     ];
-    Figure {
-        caption: "Positive in compression; time from the first sample of the record. The bands include the part of the force that the regularisation removes."
-            .to_owned(),
-        ..Figure::new("force", "Force from the response", panels)
-    }
+    Figure::new("force", "Force from the response", panels).with_caption(
+        "Positive in compression; time from the first sample of the record. The bands include the part of the force that the regularisation removes.",
+    )
 }
 
 /// Figure of the frequency response, shaded where it was not used.
@@ -104,10 +102,9 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     let panel =
         Panel::new(Axis::logarithmic("frequency", "kHz"), response, marks).with_greyed(greyed);
     let title = "Frequency response from the force to the response";
-    Figure {
-        caption: "Where the frequency response is small, noise of the response is amplified in the force.".to_owned(),
-        ..Figure::new("path", title, vec![panel])
-    }
+    Figure::new("path", title, vec![panel]).with_caption(
+        "Where the frequency response is small, noise of the response is amplified in the force.",
+    )
 }
 
 /// Figure of the L-curve, and of the function from which the parameter was chosen.
@@ -147,9 +144,7 @@ fn choice(chosen: &ChosenParameter) -> Figure {
         Panel::new(Axis::logarithmic("parameter", ""), scale(label), method),
     ];
     let title = "Choice of the parameter of the regularisation";
-    Figure {
-        caption: "Above: penalised norm over residual. Below: the criterion of the method; the chosen parameter is at its minimum, or at its zero for the discrepancy principle."
-            .to_owned(),
-        ..Figure::new("regularisation", title, panels)
-    }
+    Figure::new("regularisation", title, panels).with_caption(
+        "Above: penalised norm over residual. Below: the criterion of the method; the chosen parameter is at its minimum, or at its zero for the discrepancy principle.",
+    )
 }

@@ -55,17 +55,14 @@ pub(super) fn figure(
     );
     let panel = Panel::new(Axis::logarithmic("frequency", "kHz"), density, marks)
         .with_greyed(greyed.to_vec());
-    Ok(Figure {
-        caption: format!(
-            "Energy spectral density of `{}`: {}. Where it falls off, so do the coherence and the accuracy of the response.",
-            sheet.input,
-            match sheet.segments {
-                None => format!("single accepted hits (at most {MOST_HITS}) and the mean of all"),
-                Some(_) => "the mean of all segments".to_owned(),
-            }
-        ),
-        ..Figure::new(name, title, vec![panel])
-    })
+    Ok(Figure::new(name, title, vec![panel]).with_caption(format!(
+        "Energy spectral density of `{}`: {}. Where it falls off, so do the coherence and the accuracy of the response.",
+        sheet.input,
+        match sheet.segments {
+            None => format!("single accepted hits (at most {MOST_HITS}) and the mean of all"),
+            Some(_) => "the mean of all segments".to_owned(),
+        }
+    )))
 }
 
 /// Returns the channel `name` of `record` alone.

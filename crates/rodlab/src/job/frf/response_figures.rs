@@ -131,12 +131,9 @@ pub(super) fn bode(
         "Lines with a coherence that chance would reach once in twenty are faint."
     };
     let (name, of) = (format!("response_{file}"), capital(&name_of(response)));
-    Figure {
-        caption: format!(
-            "Magnitude, phase and coherence; the band is one random standard error of a line and does not include the calibration. {of_coherence} If there are many lines, their extremes are drawn."
-        ),
-        ..Figure::new(name, format!("{of} of {output} over {input}"), panels)
-    }
+    Figure::new(name, format!("{of} of {output} over {input}"), panels).with_caption(format!(
+        "Magnitude, phase and coherence; the band is one random standard error of a line and does not include the calibration. {of_coherence} If there are many lines, their extremes are drawn."
+    ))
 }
 
 /// Returns the phase over one turn of 360 degrees, interrupted where it wraps. The range is chosen
@@ -251,10 +248,9 @@ pub(super) fn nyquist(
         )
     };
     let title = format!("Nyquist plot of the {name} of {output} over {input}");
-    Figure {
-        caption: "Imaginary over real part of the valid lines of the band; a single resonance is a circle.".to_owned(),
-        ..Figure::new(format!("nyquist_{file}"), title, vec![panel])
-    }
+    Figure::new(format!("nyquist_{file}"), title, vec![panel]).with_caption(
+        "Imaginary over real part of the valid lines of the band; a single resonance is a circle.",
+    )
 }
 
 /// Figure of the responses of two hammers, and of their difference.
@@ -279,8 +275,7 @@ pub(super) fn merge(
         panel(Axis::logarithmic("discrepancy", ""), &merged.discrepancy),
     ];
     let title = format!("Response of {output} merged from two hammers");
-    Some(Figure {
-        caption: "Share of the first hammer in every line, and the difference of the two in units of their random errors: 1 on average if they differ by chance only.".to_owned(),
-        ..Figure::new(format!("merge_{file}"), title, panels)
-    })
+    Some(Figure::new(format!("merge_{file}"), title, panels).with_caption(
+        "Share of the first hammer in every line, and the difference of the two in units of their random errors: 1 on average if they differ by chance only.",
+    ))
 }

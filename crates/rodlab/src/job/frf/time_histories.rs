@@ -47,12 +47,9 @@ pub(super) fn figure(
     } else {
         String::new()
     };
-    Ok(Figure {
-        caption: format!(
-            "Time histories of the hits, overlaid; a short impact is also shown enlarged, in the first panel. Time starts at the trigger, or at the beginning of each record. Rejected hits are faint. Windows are drawn with the height of the largest sample.{of_which}"
-        ),
-        ..Figure::new(name, title, panels)
-    })
+    Ok(Figure::new(name, title, panels).with_caption(format!(
+        "Time histories of the hits, overlaid; a short impact is also shown enlarged, in the first panel. Time starts at the trigger, or at the beginning of each record. Rejected hits are faint. Windows are drawn with the height of the largest sample.{of_which}"
+    )))
 }
 
 /// Returns the time range about the impact \[ms\] that is drawn enlarged, counted from the trigger

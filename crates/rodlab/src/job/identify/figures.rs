@@ -66,12 +66,9 @@ fn responses(found: &Found) -> Figure {
             Panel::new(("time", "ms"), velocity, marks)
         })
         .collect();
-    Figure {
-        caption:
-            "The measured response, and the response simulated from the measured excitation with the law that the data support or, if there is none, with the law whose response differs least."
-                .to_owned(),
-        ..Figure::new("responses", "Velocity of the free end", panels)
-    }
+    Figure::new("responses", "Velocity of the free end", panels).with_caption(
+        "The measured response, and the response simulated from the measured excitation with the law that the data support or, if there is none, with the law whose response differs least.",
+    )
 }
 
 fn residuals(found: &Found) -> Figure {
@@ -95,10 +92,8 @@ fn residuals(found: &Found) -> Figure {
             Panel::new(("time", "ms"), residual, marks)
         })
         .collect();
-    Figure {
-        caption: "The residual should look like the noise before the wave arrives.".to_owned(),
-        ..Figure::new("residuals", "Simulated minus measured response", panels)
-    }
+    Figure::new("residuals", "Simulated minus measured response", panels)
+        .with_caption("The residual should look like the noise before the wave arrives.")
 }
 
 fn profiles(found: &Found) -> Figure {
@@ -136,10 +131,8 @@ fn profiles(found: &Found) -> Figure {
             Panel::new((shown.name.as_str(), shown.unit.as_str()), rise, marks)
         })
         .collect();
-    Figure {
-        caption: "Values where the curve is above the line are excluded at 95 %.".to_owned(),
-        ..Figure::new("profiles", "Profile likelihoods", panels)
-    }
+    Figure::new("profiles", "Profile likelihoods", panels)
+        .with_caption("Values where the curve is above the line are excluded at 95 %.")
 }
 
 /// Returns the tables with the histories and residuals of each test.

@@ -103,10 +103,8 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
             Vec::new(),
         ));
     }
-    Figure {
-        caption: "A passive body has a phase between -90 and 90 degrees.".to_owned(),
-        ..Figure::new("mobility", "Mobility of the face", panels)
-    }
+    Figure::new("mobility", "Mobility of the face", panels)
+        .with_caption("A passive body has a phase between -90 and 90 degrees.")
 }
 
 pub(super) fn nyquist(known: &Known) -> Figure {
@@ -128,11 +126,9 @@ pub(super) fn nyquist(known: &Known) -> Figure {
             marks,
         )
     };
-    Figure {
-        caption: "Resonances are loops to the right; a passive body stays right of the vertical axis. For a free body, the curve starts at large negative imaginary parts below the first resonance."
-            .to_owned(),
-        ..Figure::new("nyquist", "Mobility in the complex plane", vec![panel])
-    }
+    Figure::new("nyquist", "Mobility in the complex plane", vec![panel]).with_caption(
+        "Resonances are loops to the right; a passive body stays right of the vertical axis. For a free body, the curve starts at large negative imaginary parts below the first resonance.",
+    )
 }
 
 pub(super) fn impulse_response(response: &ImpulseResponse) -> Figure {
@@ -150,9 +146,7 @@ pub(super) fn impulse_response(response: &ImpulseResponse) -> Figure {
     }
     let panel = Panel::new(("time", "ms"), ("impulse response", "1/kg"), marks);
     let title = "Velocity of the face after a unit impulse";
-    Figure {
-        caption: "Means over one step. The immediate response, the velocity during the force itself, is left out."
-            .to_owned(),
-        ..Figure::new("impulse_response", title, vec![panel])
-    }
+    Figure::new("impulse_response", title, vec![panel]).with_caption(
+        "Means over one step. The immediate response, the velocity during the force itself, is left out.",
+    )
 }

@@ -57,22 +57,20 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
         (PlottedQuantity::LossModulus, giga.0, "E''", giga.1),
         (PlottedQuantity::LossFactor, 1.0, "loss factor", ""),
     ]);
-    figures.push(Figure {
-        caption: format!(
-            "Valid lines with bands of two standard errors; lines that are not valid are faint, on grey where there are many.{every}"
-        ),
-        ..Figure::new("modulus", title, panels)
-    });
+    figures.push(Figure::new("modulus", title, panels).with_caption(format!(
+        "Valid lines with bands of two standard errors; lines that are not valid are faint, on grey where there are many.{every}"
+    )));
     let title = "Phase velocity and damping coefficient";
     let (damping, label) = (PlottedQuantity::DampingCoefficient, "damping coefficient");
     let panels = over_frequency(&[
         (PlottedQuantity::PhaseVelocity, 1.0, "phase velocity", "m/s"),
         (damping, 1.0, label, "1/m"),
     ]);
-    figures.push(Figure {
-        caption: format!("Valid lines with bands of two standard errors.{every}"),
-        ..Figure::new("dispersion", title, panels)
-    });
+    figures.push(
+        Figure::new("dispersion", title, panels).with_caption(format!(
+            "Valid lines with bands of two standard errors.{every}"
+        )),
+    );
     figures.push(cole_cole(&shown, giga));
     figures.push(waves(found, &shown, &greyed));
     figures.extend(budget(&shown, &greyed));
@@ -142,12 +140,9 @@ fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
         panel(BudgetedQuantity::StorageModulus, "share in E'"),
         panel(BudgetedQuantity::LossFactor, "share in the loss factor"),
     ];
-    Some(Figure {
-        caption: format!(
-            "Shares in the square of the standard uncertainty on valid lines, for sources that contribute more than {LEAST_SHARE} % anywhere."
-        ),
-        ..Figure::new("budget", "Contributions to the uncertainty", panels)
-    })
+    Some(Figure::new("budget", "Contributions to the uncertainty", panels).with_caption(format!(
+        "Shares in the square of the standard uncertainty on valid lines, for sources that contribute more than {LEAST_SHARE} % anywhere."
+    )))
 }
 
 /// Returns up to [`MOST_LINES`] evenly distributed lines.
@@ -280,10 +275,9 @@ fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figur
     let points = valid.map(|line| (giga * line.modulus.re, giga * line.modulus.im));
     let marks = vec![Mark::points("valid lines", Role::First, points)];
     let panel = Panel::new(("E'", unit), ("E''", unit), marks);
-    Figure {
-        caption: "The Cole-Cole plot of the valid lines: a single relaxation time gives a semicircle, a distribution of relaxation times a flatter arc; a narrow band shows only a part of the curve.".to_owned(),
-        ..Figure::new("cole_cole", "Loss modulus over storage modulus", vec![panel])
-    }
+    Figure::new("cole_cole", "Loss modulus over storage modulus", vec![panel]).with_caption(
+        "The Cole-Cole plot of the valid lines: a single relaxation time gives a semicircle, a distribution of relaxation times a flatter arc; a narrow band shows only a part of the curve.",
+    )
 }
 
 /// Figure of the number of half waves between the sections; a curve that is not smooth indicates a
@@ -311,12 +305,10 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
         picked(lines, true, half_waves),
     ));
     let panel = Panel::new(KILOHERTZ, ("half waves", ""), marks).with_greyed(greyed.to_vec());
-    Figure {
-        caption: "The wave number times the distance over which waves are counted, divided by π. It starts at 0 and grows smoothly; a jump \
-                  means a wave too many or too few."
-            .to_owned(),
-        ..Figure::new("waves", "Half waves between the sections", vec![panel])
-    }
+    Figure::new("waves", "Half waves between the sections", vec![panel]).with_caption(
+        "The wave number times the distance over which waves are counted, divided by π. It starts at 0 and grows smoothly; a jump \
+         means a wave too many or too few.",
+    )
 }
 
 /// Figure of the measured ratio and its coherence.
@@ -346,8 +338,8 @@ fn coherence(found: &Found<'_>) -> Option<Figure> {
         let marks = vec![Mark::line("", Role::First, values)];
         panels.push(Panel::new(KILOHERTZ, axis, marks));
     }
-    Some(Figure {
-        caption: "The data from which the modulus is determined.".to_owned(),
-        ..Figure::new("ratio", "Ratio of spectra and its coherence", panels)
-    })
+    Some(
+        Figure::new("ratio", "Ratio of spectra and its coherence", panels)
+            .with_caption("The data from which the modulus is determined."),
+    )
 }

@@ -38,13 +38,10 @@ pub(super) fn figures(
     } else {
         "The accepted hits".to_owned()
     };
-    vec![Figure {
-        caption: format!(
-            "{drawn}, and the first rejected one faintly, until they have decayed to {} % of their peaks.",
-            100.0 * DECAYED
-        ),
-        ..Figure::new("hits", "Time histories of the hits", panels)
-    }]
+    vec![Figure::new("hits", "Time histories of the hits", panels).with_caption(format!(
+        "{drawn}, and the first rejected one faintly, until they have decayed to {} % of their peaks.",
+        100.0 * DECAYED
+    ))]
 }
 
 /// Returns the number of samples until the first accepted hit has decayed in a channel, plus a

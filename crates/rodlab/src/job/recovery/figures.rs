@@ -81,12 +81,10 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
         Panel::new(time_axis(), axis, marks),
         Panel::new(time_axis(), ("residual over standard error", ""), residuals),
     ];
-    Ok(Figure {
-        caption: "Above: readings with their standard errors, and the common model with bands of two standard errors. Below: the residual \
-                  of the model over the standard error of each reading; two thirds should be between -1 and 1."
-            .to_owned(),
-        ..Figure::new("recovery", "Recovery of the loss factor", panels)
-    })
+    Ok(Figure::new("recovery", "Recovery of the loss factor", panels).with_caption(
+        "Above: readings with their standard errors, and the common model with bands of two standard errors. Below: the residual \
+         of the model over the standard error of each reading; two thirds should be between -1 and 1.",
+    ))
 }
 
 /// Figure of all tests over time divided by their recovery times. According to equation 4 they form
@@ -118,12 +116,10 @@ fn one_curve(found: &Found<'_>) -> Figure {
     marks.push(Mark::line("1/(1 + t/tr)", Role::Reference, law));
     let time = Axis::logarithmic("time after unloading over recovery time", "");
     let panel = Panel::new(time, ("change over initial change", ""), marks);
-    Figure {
-        caption: "Each test, divided by the initial change and the recovery time that are fitted to it alone. The model requires all of \
-                  them to follow the grey curve."
-            .to_owned(),
-        ..Figure::new("one_curve", "All tests on one curve", vec![panel])
-    }
+    Figure::new("one_curve", "All tests on one curve", vec![panel]).with_caption(
+        "Each test, divided by the initial change and the recovery time that are fitted to it alone. The model requires all of \
+         them to follow the grey curve.",
+    )
 }
 
 fn predictions(found: &Found<'_>) -> Result<Figure, CmodError> {
@@ -135,10 +131,8 @@ fn predictions(found: &Found<'_>) -> Result<Figure, CmodError> {
     }
     let panel = Panel::new(time_axis(), axis, marks);
     let title = "Predicted recovery after other loads";
-    Ok(Figure {
-        caption: "Bands of two standard errors, from the errors of the readings and of the parameters; they do not include an error of the \
-                  model itself for such a load."
-            .to_owned(),
-        ..Figure::new("predictions", title, vec![panel])
-    })
+    Ok(Figure::new("predictions", title, vec![panel]).with_caption(
+        "Bands of two standard errors, from the errors of the readings and of the parameters; they do not include an error of the \
+         model itself for such a load.",
+    ))
 }

@@ -117,8 +117,7 @@ pub(super) fn figure(shots: &[HopkinsonResult], mean: &MeanCurve) -> Result<Figu
     }
     marks.push(Mark::curve("mean", Role::First, &strain, stress));
     let panel = Panel::new(("strain", "%"), ("stress", "MPa"), marks);
-    Ok(Figure {
-        caption: "Engineering values; the band contains a single value of the mean with a probability of 95 %, up to the strain that all specimens reach.".to_owned(),
-        ..Figure::new("mean", "Mean stress over strain", vec![panel])
-    })
+    Ok(Figure::new("mean", "Mean stress over strain", vec![panel]).with_caption(
+        "Engineering values; the band contains a single value of the mean with a probability of 95 %, up to the strain that all specimens reach.",
+    ))
 }

@@ -125,12 +125,9 @@ fn stress_strain(
         Panel::new(("strain", "%"), ("stress", "MPa"), marks),
         Panel::new(("strain", "%"), ("strain rate", "1/s"), rates),
     ];
-    Ok(Figure {
-        caption: format!(
-            "Engineering values up to the end of the loading. The band contains the stress with a probability of 95 % {held}. The band of the strain rate contains a single value at its time with the same probability.{compared}"
-        ),
-        ..Figure::new("stress_strain", title, panels)
-    })
+    Ok(Figure::new("stress_strain", title, panels).with_caption(format!(
+        "Engineering values up to the end of the loading. The band contains the stress with a probability of 95 % {held}. The band of the strain rate contains a single value at its time with the same probability.{compared}"
+    )))
 }
 
 fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
@@ -166,10 +163,14 @@ fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
         Panel::new(("time", "us"), ("force", "N"), marks),
         Panel::new(("time", "us"), of_index, index),
     ];
-    Ok(Figure {
-        caption: "The index is the difference of the forces over their mean, where the specimen is loaded; in equilibrium it is at most 0.05.".to_owned(),
-        ..Figure::new("forces", "Forces of both faces, and the equilibrium index", panels)
-    })
+    Ok(Figure::new(
+        "forces",
+        "Forces of both faces, and the equilibrium index",
+        panels,
+    )
+    .with_caption(
+        "The index is the difference of the forces over their mean, where the specimen is loaded; in equilibrium it is at most 0.05.",
+    ))
 }
 
 fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
@@ -210,10 +211,9 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
         let strain = (format!("strain of the {name}"), "µm/m");
         panels.push(Panel::new(("time", "us"), strain, marks));
     }
-    Figure {
-        caption: "As recorded, positive in tension. On a bar with one gauge, the windows of the pulses are marked.".to_owned(),
-        ..Figure::new("waves", "Strains of the bars", panels)
-    }
+    Figure::new("waves", "Strains of the bars", panels).with_caption(
+        "As recorded, positive in tension. On a bar with one gauge, the windows of the pulses are marked.",
+    )
 }
 
 /// Figure of the fronts of the waves over position and time, with the gauges. It shows where waves
@@ -277,8 +277,12 @@ fn fronts(
         }
     }
     let panel = Panel::new(("distance from the specimen", "m"), ("time", "us"), marks);
-    Ok(Figure {
-        caption: "The specimen is at 0; each line is the front of a wave that travels back and forth in a bar at the wave speed in the middle of the band. Waves overlap at a gauge where one arrives before the previous one has ended.".to_owned(),
-        ..Figure::new("fronts", "Fronts of the waves over position and time", vec![panel])
-    })
+    Ok(Figure::new(
+        "fronts",
+        "Fronts of the waves over position and time",
+        vec![panel],
+    )
+    .with_caption(
+        "The specimen is at 0; each line is the front of a wave that travels back and forth in a bar at the wave speed in the middle of the band. Waves overlap at a gauge where one arrives before the previous one has ended.",
+    ))
 }

@@ -195,12 +195,9 @@ impl CreepRecoverySheet {
             .collect();
         let time = Axis::logarithmic("time after unloading", "min");
         let panel = Panel::new(time, ("loss factor", ""), marks);
-        Figure {
-            caption:
-                "Readings with their standard deviation, and the law from which they were computed."
-                    .to_owned(),
-            ..Figure::new("recovery", "Loss factor after unloading", vec![panel])
-        }
+        Figure::new("recovery", "Loss factor after unloading", vec![panel]).with_caption(
+            "Readings with their standard deviation, and the law from which they were computed.",
+        )
     }
 
     fn evaluation(&self, request: &Request<'_>, tests: &[Readings<'_>]) -> Evaluation {

@@ -39,10 +39,10 @@ pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> 
             Panel::new(("time", "ms"), (label, unit), marks)
         })
         .collect();
-    Some(Figure {
-        caption: "As recorded, with the noise of the instruments; five records at most.".to_owned(),
-        ..Figure::new("histories", "Virtual records", panels)
-    })
+    Some(
+        Figure::new("histories", "Virtual records", panels)
+            .with_caption("As recorded, with the noise of the instruments; five records at most."),
+    )
 }
 
 /// Figure of the magnitudes of the spectra of the first record: √(G_xx) of each channel, relative
@@ -66,10 +66,10 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
         x: 1e-3 * cutoff_hz,
     });
     let panel = Panel::new(("frequency", "kHz"), ("auto-spectrum", "dB"), marks);
-    Ok(Some(Figure {
-        caption: "Each channel relative to its largest line.".to_owned(),
-        ..Figure::new("spectra", "Spectra of the first record", vec![panel])
-    }))
+    Ok(Some(
+        Figure::new("spectra", "Spectra of the first record", vec![panel])
+            .with_caption("Each channel relative to its largest line."),
+    ))
 }
 
 pub(super) fn table(records: &[Record]) -> Option<Table> {

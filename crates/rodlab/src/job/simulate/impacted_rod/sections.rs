@@ -53,11 +53,8 @@ pub(super) fn figure<L: InelasticLaw>(
         .collect();
     let distance = ("distance from the struck end", "mm");
     let panel = Panel::new(("time", "ms"), distance, marks);
-    Ok(Figure {
-        caption: format!(
-            "Velocity of {COUNT} sections of the rod struck at {velocity} m/s, each drawn around its distance from the struck end; {peak:.3} m/s \
-             corresponds to the distance between two sections. Time starts at the contact."
-        ),
-        ..Figure::new("sections", "Velocities along the rod", vec![panel])
-    })
+    Ok(Figure::new("sections", "Velocities along the rod", vec![panel]).with_caption(format!(
+        "Velocity of {COUNT} sections of the rod struck at {velocity} m/s, each drawn around its distance from the struck end; {peak:.3} m/s \
+         corresponds to the distance between two sections. Time starts at the contact."
+    )))
 }
