@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use crate::digits::rate;
 use crate::records::state_rate;
-use crate::{RodlabError, cut_short, input, output};
+use crate::{InStep, RodlabError, cut_short, input, output};
 
 /// Options of a conversion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -194,7 +194,7 @@ fn contents_of(
         (Some(rate_hz), false) => format::read_bytes_at(bytes, rate_hz),
         (None, false) => format::read_bytes(bytes),
     }
-    .map_err(|error| RodlabError::step(format!("reading {}", input.display()), error))?;
+    .in_step(format!("reading {}", input.display()))?;
     if let Some(rate_hz) = options.rate_hz {
         let file = input.display().to_string();
         for series in &mut contents.series {

@@ -231,6 +231,18 @@ impl RodlabError {
     }
 }
 
+/// Results of the library crates as results of a job.
+pub(crate) trait InStep<T> {
+    /// Wraps the error, if any, as one of the step `what`.
+    fn in_step(self, what: impl Into<String>) -> Result<T, RodlabError>;
+}
+
+impl<T, E: std::error::Error + Send + Sync + 'static> InStep<T> for Result<T, E> {
+    fn in_step(self, what: impl Into<String>) -> Result<T, RodlabError> {
+        self.map_err(|error| RodlabError::step(what, error))
+    }
+}
+
 impl From<Box<SheetError>> for RodlabError {
     fn from(error: Box<SheetError>) -> Self {
         Self::Sheet(error)

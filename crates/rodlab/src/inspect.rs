@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::digits::{prefix_for, rate, significant};
 use crate::records::{is_rounded_step, step_without_unit, text_of_unit};
 use crate::sheet::{Language, snake_case};
-use crate::{RodlabError, cut_short, input};
+use crate::{InStep, RodlabError, cut_short, input};
 
 /// Contents of a file.
 #[derive(Debug, Clone, Serialize)]
@@ -134,8 +134,8 @@ fn is_sheet(path: &Path, bytes: &[u8]) -> bool {
 ///
 /// The errors of [`inspect`].
 pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError> {
-    let mut contents = format::read_bytes_with(bytes, Strictness::Tolerant)
-        .map_err(|error| RodlabError::step(format!("reading {path}"), error))?;
+    let mut contents =
+        format::read_bytes_with(bytes, Strictness::Tolerant).in_step(format!("reading {path}"))?;
     let is_table = is_table(&contents);
     let times = contents.series.first().and_then(time_like::step_of);
     // in a table, a column that increases evenly may number the rows

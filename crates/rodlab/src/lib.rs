@@ -63,6 +63,7 @@ mod universal;
 pub mod verify;
 pub mod view;
 
+pub(crate) use error::InStep;
 pub use error::RodlabError;
 pub use outcome::Outcome;
 pub use standing::Standing;

@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use cmod::rheology::{FittedLaw, Law, LawError, MeasuredLaw, RheologicalFit};
 use serde::{Deserialize, Serialize};
 
-use crate::RodlabError;
 use crate::outcome::InputFile;
 use crate::sheet::ValueWithUncertainty;
+use crate::{InStep, RodlabError};
 
 /// Name of the file among the results.
 pub(crate) const NAME: &str = "material.json";
@@ -88,7 +88,7 @@ impl MaterialFile {
         doubts: Vec<String>,
         inputs: &[InputFile],
     ) -> Result<Self, RodlabError> {
-        let law = MeasuredLaw::of(fit).map_err(|error| RodlabError::step(NAME, error))?;
+        let law = MeasuredLaw::of(fit).in_step(NAME)?;
         let mut errors: Vec<ErrorEntry> = law
             .errors()
             .iter()
@@ -147,8 +147,7 @@ impl MaterialFile {
     /// their range; [`RodlabError::Request`] for a file of another version, and for a density or a
     /// band out of range.
     pub(crate) fn read(bytes: &[u8], what: &str) -> Result<Self, RodlabError> {
-        let entries: Entries =
-            serde_json::from_slice(bytes).map_err(|error| RodlabError::step(what, error))?;
+        let entries: Entries = serde_json::from_slice(bytes).in_step(what)?;
         if entries.format != FORMAT {
             return Err(RodlabError::request(
                 what,
@@ -179,8 +178,7 @@ impl MaterialFile {
 
     /// Returns the text of the file.
     pub(crate) fn text(&self) -> Result<Vec<u8>, RodlabError> {
-        let mut text = serde_json::to_vec_pretty(&self.entries)
-            .map_err(|error| RodlabError::step(NAME, error))?;
+        let mut text = serde_json::to_vec_pretty(&self.entries).in_step(NAME)?;
         text.push(b'\n');
         Ok(text)
     }
@@ -210,10 +208,7 @@ impl MaterialFile {
         standard: &[f64],
         field: &str,
     ) -> Result<(f64, FittedLaw), RodlabError> {
-        let law = self
-            .law
-            .moved(standard)
-            .map_err(|error| RodlabError::step(field, error))?;
+        let law = self.law.moved(standard).in_step(field)?;
         let errors = self.entries.errors.iter().zip(standard);
         let change: f64 = errors.map(|(error, z)| z * error.density).sum();
         Ok((self.entries.density + change, law))
@@ -222,7 +217,6 @@ impl MaterialFile {
 
 impl Entries {
     fn law(&self, what: &str) -> Result<MeasuredLaw, RodlabError> {
-        let refused = |error| RodlabError::step(what, error);
         let kinds = Law::all(self.density);
         let names = || kinds.map(|law| format!("`{law}`")).join(", ");
         let law = kinds
@@ -239,11 +233,11 @@ impl Entries {
         let reference_omega = self.reference_frequency_hz.map(|f| TAU * f);
         let law = law
             .with_parameters(&values, reference_omega)
-            .map_err(refused)?;
+            .in_step(what)?;
         let errors = self.errors.iter().map(|error| LawError {
             source: error.source.clone(),
             shift: error.parameters.clone(),
         });
-        MeasuredLaw::new(law, errors.collect()).map_err(refused)
+        MeasuredLaw::new(law, errors.collect()).in_step(what)
     }
 }

@@ -6,11 +6,11 @@ use std::path::Path;
 use labio::{Abscissa, Contents, Dimension, Ordinate, Series, Unit, format};
 use num_complex::Complex64;
 
-use crate::RodlabError;
 use crate::cut_short;
 use crate::input;
 use crate::outcome::InputFile;
 use crate::records::Selector;
+use crate::{InStep, RodlabError};
 
 /// A file that was read.
 #[derive(Debug)]
@@ -29,8 +29,7 @@ impl NumberFile {
             return Err(RodlabError::no_file(path, folder, field));
         }
         let bytes = input::read(&full)?;
-        let contents = format::read_bytes(&bytes)
-            .map_err(|error| RodlabError::step(format!("{field}: reading {path}"), error))?;
+        let contents = format::read_bytes(&bytes).in_step(format!("{field}: reading {path}"))?;
         let input = InputFile::of(path, contents.format, &bytes);
         let warning = cut_short::warning(&bytes, contents.format, path).map(|text| text + ".");
         Ok(Self {

@@ -22,9 +22,9 @@ use rodfigure::{Drawn, Figure};
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
-use crate::RodlabError;
 use crate::outcome::{Outcome, Table};
 use crate::report::html_of;
+use crate::{InStep, RodlabError};
 
 /// Version of the structure of `result.json`; it is increased when a field changes its name or
 /// meaning.
@@ -372,12 +372,13 @@ fn result_of(
         outcome,
     };
     let mut bytes = Vec::new();
-    let refused = |error: serde_json::Error| RodlabError::step("writing result.json", error);
     let mut serializer =
         serde_json::Serializer::with_formatter(&mut bytes, layout::ArraysOnOneLine::default());
-    result.serialize(&mut serializer).map_err(refused)?;
+    result
+        .serialize(&mut serializer)
+        .in_step("writing result.json")?;
     bytes.push(b'\n');
-    String::from_utf8(bytes).map_err(|error| RodlabError::step("writing result.json", error))
+    String::from_utf8(bytes).in_step("writing result.json")
 }
 
 /// Returns a table as comma-separated values: names, units if `unit_row` is true, and rows. NaN is
@@ -417,5 +418,5 @@ fn csv_of(table: &Table, unit_row: bool) -> Result<Vec<u8>, RodlabError> {
     }
     writer
         .into_inner()
-        .map_err(|error| RodlabError::step(format!("writing {}.csv", table.name), error))
+        .in_step(format!("writing {}.csv", table.name))
 }

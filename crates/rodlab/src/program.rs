@@ -22,7 +22,7 @@ use crate::sheet_command::SheetCommand;
 use crate::templates::{self, JobName, Rig};
 use crate::verify::{Verified, verify_all};
 use crate::view::View;
-use crate::{RodlabError, Standing, output};
+use crate::{InStep, RodlabError, Standing, output};
 
 /// Message after an interruption.
 pub const INTERRUPTED: &str = "interrupted: all files that exist are complete";
@@ -242,8 +242,7 @@ fn dispatch(
 }
 
 fn print_json(what: &impl serde::Serialize, out: &mut dyn Write) -> Result<(), RodlabError> {
-    let text = serde_json::to_string_pretty(what)
-        .map_err(|error| RodlabError::step("writing JSON", error))?;
+    let text = serde_json::to_string_pretty(what).in_step("writing JSON")?;
     say(out, &text)
 }
 
@@ -459,7 +458,7 @@ fn many_sheets(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(jobs.unwrap_or(0))
         .build()
-        .map_err(|error| RodlabError::step("starting threads", error))?;
+        .in_step("starting threads")?;
     let bar = Bar::new(arguments.quiet || arguments.json);
     let words = !(arguments.quiet || arguments.json);
     // a line that cannot be printed does not stop any test, and is reported at the end
@@ -513,7 +512,6 @@ fn conclude(
 
 /// Returns the manual pages, as file names and contents.
 fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
-    let refused = |error| RodlabError::step("writing the manual pages", error);
     let mut program = Arguments::command();
     program.build();
     let mut pages = Vec::new();
@@ -523,7 +521,7 @@ fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
             .title(name.to_uppercase())
             .date("") // the same pages on every day
             .render(&mut page)
-            .map_err(refused)?;
+            .in_step("writing the manual pages")?;
         pages.push((format!("{name}.1"), page));
         Ok(())
     };

@@ -37,10 +37,10 @@ use labio::{Quantity, Record};
 use serde::Deserialize;
 
 use self::part::{Part, record_name};
-use crate::RodlabError;
 use crate::digits::significant;
 use crate::outcome::{InputFile, LogEntry};
 use crate::sheet::{self, Frequency, NotFollowed};
+use crate::{InStep, RodlabError};
 
 /// Reason why jobs with frequency responses refuse a time skew with an uncertainty.
 pub(crate) const SKEW_NOT_FOLLOWED: &str =
@@ -249,7 +249,7 @@ impl Records {
             if let Some(chain) = channel.chain(&place)? {
                 record = record
                     .calibrated(&channel.name, chain)
-                    .map_err(|error| RodlabError::step(format!("{place}, {name}"), error))?;
+                    .in_step(format!("{place}, {name}"))?;
             }
         }
         if self
@@ -257,9 +257,7 @@ impl Records {
             .iter()
             .any(|channel| channel.time_skew.is_some())
         {
-            record = record
-                .aligned()
-                .map_err(|error| RodlabError::step(format!("{field}, {name}"), error))?;
+            record = record.aligned().in_step(format!("{field}, {name}"))?;
         }
         let samples = record.samples();
         let channels = record.channels().iter().zip(samples.outer_iter());

@@ -15,9 +15,9 @@ use minijinja::{Environment, HtmlEscape, UndefinedBehavior, Value};
 use rodfigure::{Drawn, Figure, Mark, unit_as_read};
 use serde::Serialize;
 
-use crate::RodlabError;
 use crate::outcome::{Outcome, Verdict};
 use crate::output::SheetIdentity;
+use crate::{InStep, RodlabError};
 use rows::{QuantityRow, TableRows};
 
 const TEMPLATE: &str = include_str!("report/template.html");
@@ -81,7 +81,6 @@ pub fn html_of(
     sheet: &SheetIdentity,
     date: Option<&str>,
 ) -> Result<String, RodlabError> {
-    let refused = |error| RodlabError::step("writing report.html", error);
     let rejected = outcome.log.iter().filter(|entry| !entry.accepted).count();
     let standing = outcome.verdict.standing();
     let mut figures = outcome
@@ -143,11 +142,11 @@ pub fn html_of(
     environment.add_filter("worded", worded);
     environment
         .add_template("report.html", TEMPLATE)
-        .map_err(refused)?;
+        .in_step("writing report.html")?;
     environment
         .get_template("report.html")
         .and_then(|template| template.render(Serde(&page)))
-        .map_err(refused)
+        .in_step("writing report.html")
 }
 
 /// Returns a sentence of the terminal as HTML: names in backquotes as code, and units as figures

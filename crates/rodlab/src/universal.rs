@@ -4,8 +4,8 @@ use labio::format::Writer;
 use labio::format::uff58::{Encoding, Precision, Uff58Writer};
 use labio::{AddedDamping, Contents, Ordinate, Series, SeriesAxis};
 
-use crate::RodlabError;
 use crate::outcome::Attachment;
+use crate::{InStep, RodlabError};
 
 /// Maximum number of characters of a header line, with a margin.
 const LINE: usize = 76;
@@ -20,7 +20,7 @@ pub(crate) fn attachment(contents: &Contents, name: &str) -> Result<Attachment, 
     };
     writer
         .write(contents, &mut bytes)
-        .map_err(|error| RodlabError::step(format!("writing {name}"), error))?;
+        .in_step(format!("writing {name}"))?;
     Ok(Attachment {
         name: name.to_owned(),
         bytes,
@@ -89,7 +89,6 @@ pub(crate) fn damping_of(
         (None, Some(Ordinate::Real(values))) => values.first().copied().unwrap_or(f64::NAN),
         (None, _) => return Ok(None),
     };
-    let window = AddedDamping::new(rate)
-        .map_err(|error| RodlabError::step(format!("{place}, {DECAY_RATE}"), error))?;
+    let window = AddedDamping::new(rate).in_step(format!("{place}, {DECAY_RATE}"))?;
     Ok(Some(window))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 
-use crate::{RodlabError, input, material_file};
+use crate::{InStep, RodlabError, input, material_file};
 
 /// Name of the file that describes a result.
 const RESULT: &str = "result.json";
@@ -135,8 +135,8 @@ fn verified(
 ) -> Result<Verified, RodlabError> {
     let path = folder.join(RESULT);
     let bytes = input::read(&path)?;
-    let written: Written = serde_json::from_slice(&bytes)
-        .map_err(|error| RodlabError::step(format!("reading {}", path.display()), error))?;
+    let written: Written =
+        serde_json::from_slice(&bytes).in_step(format!("reading {}", path.display()))?;
     let beside = folder.parent().unwrap_or(Path::new("."));
     let of_sheet = sheets.unwrap_or(beside);
     let mut found = Verified {

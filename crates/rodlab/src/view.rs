@@ -30,7 +30,7 @@ use crate::batch::in_one_line;
 use crate::finished::identity_of;
 use crate::job::{self, Sheet, Silent};
 use crate::sheet::edit::{self, Ruling};
-use crate::{RodlabError, output, sheet};
+use crate::{InStep, RodlabError, output, sheet};
 
 const PAGE: &str = include_str!("view/page.html");
 const STYLE: &str = include_str!("view/page.css");
@@ -67,8 +67,7 @@ impl View {
         listener.set_nonblocking(true).map_err(no_port)?;
         let host = listener.local_addr().map_err(no_port)?.to_string();
         let mut random = [0_u8; TOKEN];
-        getrandom::fill(&mut random)
-            .map_err(|error| RodlabError::step("generating a token", error))?;
+        getrandom::fill(&mut random).in_step("generating a token")?;
         let token = random.iter().fold(String::new(), |mut token, byte| {
             let _ = write!(token, "{byte:02x}");
             token

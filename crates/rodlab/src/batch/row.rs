@@ -10,7 +10,7 @@ use super::Test;
 use crate::input;
 use crate::outcome::{InputFile, Quantity, Verdict};
 use crate::output::{self, FAILURE, OutputFile, RESULT, RESULT_VERSION, SOFTWARE, SheetIdentity};
-use crate::{RodlabError, Standing, records};
+use crate::{InStep, RodlabError, Standing, records};
 
 /// One test in a summary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -163,7 +163,7 @@ pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabErr
             row,
             files,
         })
-        .map_err(|error| RodlabError::step("writing failure.json", error))?;
+        .in_step("writing failure.json")?;
         text.push(b'\n');
         Ok(text)
     })

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::row::{self, Row};
 use crate::output::SOFTWARE;
-use crate::{RodlabError, Standing};
+use crate::{InStep, RodlabError, Standing};
 
 /// Largest number of warnings shown on the terminal.
 const MOST_WARNINGS: usize = 5;
@@ -173,17 +173,18 @@ impl Summary {
     pub fn to_json(&self) -> Result<String, RodlabError> {
         serde_json::to_string_pretty(self)
             .map(|text| text + "\n")
-            .map_err(|error| RodlabError::step("writing summary.json", error))
+            .in_step("writing summary.json")
     }
 
     /// Returns the HTML page with a link to the report of each test.
     pub(crate) fn to_html(&self) -> Result<String, RodlabError> {
-        let refused = |error| RodlabError::step("writing index.html", error);
         let mut pages = minijinja::Environment::new();
         pages
             .add_template("index.html", include_str!("index.html"))
-            .map_err(refused)?;
-        let page = pages.get_template("index.html").map_err(refused)?;
+            .in_step("writing index.html")?;
+        let page = pages
+            .get_template("index.html")
+            .in_step("writing index.html")?;
         let rows: Vec<_> = self
             .tests
             .iter()
@@ -199,7 +200,7 @@ impl Summary {
         page.render(minijinja::context! {
             sentence => self.sentence(), software => self.software, rows,
         })
-        .map_err(refused)
+        .in_step("writing index.html")
     }
 }
 
@@ -227,10 +228,8 @@ fn table<const N: usize>(
     for row in rows {
         writer.write_record(row).map_err(refused)?;
     }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| RodlabError::step(format!("writing {name}"), error))?;
-    String::from_utf8(bytes).map_err(|error| RodlabError::step(format!("writing {name}"), error))
+    let bytes = writer.into_inner().in_step(format!("writing {name}"))?;
+    String::from_utf8(bytes).in_step(format!("writing {name}"))
 }
 
 /// Returns the results and failures below `folders`, each named by its path there; with several

@@ -20,7 +20,7 @@ use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 
 use crate::sheet::{self, Language, plausible};
-use crate::{RodlabError, input, output};
+use crate::{InStep, RodlabError, input, output};
 
 /// Maximum number of sheets of a sweep.
 const MOST_SHEETS: f64 = 100_000.0;
@@ -321,7 +321,6 @@ fn filled(parts: &[TemplatePart<'_>], values: &[&str]) -> String {
 
 /// Returns the text of `sweep.csv`: one line for each sheet, with its values and its hash.
 fn csv_of(sweep: &Sweep) -> Result<Vec<u8>, RodlabError> {
-    let refused = |error: csv::Error| RodlabError::step("writing sweep.csv", error);
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names = sweep.names.iter().map(String::as_str);
     let head: Vec<&str> = ["file"]
@@ -329,13 +328,13 @@ fn csv_of(sweep: &Sweep) -> Result<Vec<u8>, RodlabError> {
         .chain(names)
         .chain(["sha256"])
         .collect();
-    writer.write_record(head).map_err(refused)?;
+    writer.write_record(head).in_step("writing sweep.csv")?;
     for sheet in &sweep.sheets {
         let values = sheet.values.iter().map(String::as_str);
         let row = [sheet.file.as_str()].into_iter().chain(values);
         writer
             .write_record(row.chain([sheet.sha256.as_str()]))
-            .map_err(refused)?;
+            .in_step("writing sweep.csv")?;
     }
     writer
         .into_inner()

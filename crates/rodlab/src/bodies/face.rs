@@ -21,9 +21,9 @@ use assembly::AssemblySheet;
 use super::material::Material;
 use super::material_sheet::{Materials, material_called};
 use super::measured::MeasuredBodySheet;
-use crate::RodlabError;
 use crate::sheet::plausible;
 use crate::sheet::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
+use crate::{InStep, RodlabError};
 
 /// A body: a chain of elements that starts at its impact face, a lumped body, a measured body, or
 /// an assembly.
@@ -233,15 +233,14 @@ fn chain(
         .flatten()
         .chain(&placed.end)
         .all(|material| matches!(material, Material::Analytic(_)));
-    let refused = |error| RodlabError::step(field, error);
     if analytic {
         analytic_chain(elements, end, &placed)
             .map(ComputedBody::Analytic)
-            .map_err(refused)
+            .in_step(field)
     } else {
         axis_chain(elements, end, &placed)
             .map(ComputedBody::OnAxis)
-            .map_err(refused)
+            .in_step(field)
     }
 }
 
@@ -380,9 +379,7 @@ fn lump(
 ) -> Result<MobilityLaw<impl Fn(Complex64) -> Complex64 + Clone>, RodlabError> {
     let law = MobilityLaw::analytic(move |s| lump_mobility(mass, impedance, s));
     match mass {
-        Some(mass) => law
-            .free(mass)
-            .map_err(|error| RodlabError::step("a rigid mass", error)),
+        Some(mass) => law.free(mass).in_step("a rigid mass"),
         None => Ok(law),
     }
 }

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use rodwave::medium::Medium;
 use rodwave::modulus::{ComplexModulus, LaplaceModulus, PowerLawPropagation};
 
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Any law that is analytic in the right half plane.
 #[derive(Clone)]
@@ -51,7 +51,7 @@ impl Material {
     ) -> Result<Self, RodlabError> {
         Medium::new(density, AnalyticLaw(law))
             .map(Self::Analytic)
-            .map_err(|error| RodlabError::step(field, error))
+            .in_step(field)
     }
 
     /// Propagation coefficient alpha + ik at `frequency_hz`, with the damping coefficient alpha

@@ -19,7 +19,7 @@ use crate::material_file::MaterialFile;
 use crate::outcome::InputFile;
 use crate::sheet::plausible;
 use crate::sheet::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
-use crate::{Outcome, RodlabError, input};
+use crate::{InStep, Outcome, RodlabError, input};
 
 /// Frequency \[Hz\] at which the wave speed is checked; it is typical of the resonances of
 /// laboratory rods.
@@ -228,7 +228,7 @@ impl MaterialSheet {
         let Some(law) = self.law.prony() else {
             return Ok(None);
         };
-        let law = law.map_err(|error| RodlabError::step(field, error))?;
+        let law = law.in_step(field)?;
         Ok(Some((self.stated_density(field)?.nominal(), law)))
     }
 

@@ -7,8 +7,8 @@ use rodwave::medium::Medium;
 use rodwave::modulus::{DifferentiableModulus, GeneralisedMaxwell, MaxwellBranch};
 
 use super::material::Material;
-use crate::RodlabError;
 use crate::material_file::MaterialFile;
+use crate::{InStep, RodlabError};
 
 /// Law and density of a result. Each independent error is moved by a number of its standard
 /// uncertainties.
@@ -44,14 +44,13 @@ impl MeasuredMaterial {
     /// Returns the material; `field` is its place in the sheet.
     pub(crate) fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let (density, law) = self.file.moved(&self.standard, field)?;
-        let refused = |error| RodlabError::step(field, error);
         match law.into_analytic() {
             Ok(law) => Material::analytic(density, law, field),
             Err(law) => {
-                let law = law.law().map_err(refused)?;
+                let law = law.law().in_step(field)?;
                 Medium::new(density, law)
                     .map(Material::OnAxis)
-                    .map_err(refused)
+                    .in_step(field)
             }
         }
     }
@@ -84,7 +83,7 @@ impl MeasuredMaterial {
             }
             _ => return Ok(None),
         };
-        let law = law.map_err(|error| RodlabError::step(field, error))?;
+        let law = law.in_step(field)?;
         Ok(Some((density, law)))
     }
 

@@ -10,9 +10,9 @@ use serde::de::{self, IntoDeserializer, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::Reading;
-use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::records::channel_called;
+use crate::{InStep, RodlabError};
 
 /// Limits of the checks of a hit. A limit that is not stated has its default; `None` disables its
 /// check.
@@ -180,7 +180,7 @@ impl CriteriaSheet {
             })
             .and_then(|limited| self.level_shift.put(limited, Criteria::with_level_shift))
             .and_then(|limited| self.remainder.put(limited, Criteria::with_remainder))
-            .map_err(|error| RodlabError::step(field, error))?;
+            .in_step(field)?;
         if let Some(name) = &self.force_channel {
             channel_called(channels, name, &format!("{field}.force_channel"))?;
             criteria = criteria.with_force_channel(name);
@@ -188,9 +188,7 @@ impl CriteriaSheet {
         for (name, full_scale) in &self.full_scales {
             let place = format!("{field}.full_scales.{name}");
             let full_scale = full_scale.of(channel_called(channels, name, &place)?, &place)?;
-            criteria = criteria
-                .with_full_scale(name, full_scale)
-                .map_err(|error| RodlabError::step(place, error))?;
+            criteria = criteria.with_full_scale(name, full_scale).in_step(place)?;
         }
         Ok(criteria)
     }
@@ -203,8 +201,8 @@ impl CriteriaSheet {
         field: &str,
     ) -> Result<Vec<Setting>, RodlabError> {
         // only `Criteria` contains the default limits
-        let limits = serde_json::to_value(criteria)
-            .map_err(|error| RodlabError::step(format!("{field}, listing the limits"), error))?;
+        let limits =
+            serde_json::to_value(criteria).in_step(format!("{field}, listing the limits"))?;
         let of_limit = |name: &str| {
             let value = match limits.get(name) {
                 None | Some(serde_json::Value::Null) => "not checked".to_owned(),

@@ -4,8 +4,8 @@ use labio::hits::{Copy, find_copy, find_near_copies};
 use labio::{AveragedSpectra, Record};
 
 use super::{FoundHits, comparing, windows_of_analyser};
-use crate::RodlabError;
 use crate::digits::significant;
+use crate::{InStep, RodlabError};
 
 /// Probability of a wrong doubt about independent hits.
 const LEVEL: f64 = 0.01;
@@ -73,9 +73,7 @@ pub(crate) fn expect_noise(
     if spectra.n_averages() < 2 {
         return Ok(());
     }
-    let coherence = spectra
-        .coherence(input, output)
-        .map_err(|error| RodlabError::step(place, error))?;
+    let coherence = spectra.coherence(input, output).in_step(place)?;
     if coherence.is_one_to_rounding() {
         return Err(RodlabError::NoNoise {
             place: place.to_owned(),

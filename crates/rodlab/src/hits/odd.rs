@@ -4,7 +4,7 @@ use labio::hits::{Criteria, HitSpectra, Reason, find_odd_hits, samples_at_rest};
 use labio::{Detrend, LabioError, Record};
 
 use super::{FoundHits, OddSheet, comparing};
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Returns the subtraction of the rest level for `hits`, or [`Detrend::None`] if they are not at
 /// rest before the impact. `field` is the place of the choice in the sheet.
@@ -17,7 +17,7 @@ pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabErr
         .first()
         .map(|hit| hit.channels().iter().map(labio::Channel::name).collect())
         .unwrap_or_default();
-    let rest = samples_at_rest(hits, &channels).map_err(|error| RodlabError::step(field, error))?;
+    let rest = samples_at_rest(hits, &channels).in_step(field)?;
     Ok(rest.map_or(Detrend::None, |n_samples| Detrend::Rest { n_samples }))
 }
 

@@ -3,11 +3,11 @@
 use labio::Record;
 use labio::hits::{Extent, Hit, samples_at_rest};
 
-use crate::RodlabError;
 use crate::digits::{prefix_for, rate};
 use crate::hits::FoundHits;
 use crate::outcome::Setting;
 use crate::sheet::{Duration, Exact};
+use crate::{InStep, RodlabError};
 
 /// Longest time from the beginning of an impact to the trigger \[s\], unless the sheet states the
 /// silence.
@@ -25,11 +25,7 @@ pub(crate) fn silent_samples(
         return Ok(None);
     };
     let rate = record.sampling_rate_hz();
-    let extent = |seconds: f64| {
-        Extent::Seconds(seconds)
-            .samples(rate)
-            .map_err(|error| RodlabError::step(name, error))
-    };
+    let extent = |seconds: f64| Extent::Seconds(seconds).samples(rate).in_step(name);
     if let Some(stated) = stated {
         return extent(stated.si()).map(Some);
     }
@@ -48,8 +44,7 @@ pub(crate) fn silent_samples(
         return extent(silent).map(Some);
     }
     let rest = match at_rest {
-        Some(channels) => samples_at_rest(&found.accepted(), channels)
-            .map_err(|error| RodlabError::step(name, error))?,
+        Some(channels) => samples_at_rest(&found.accepted(), channels).in_step(name)?,
         None => None,
     };
     let said = rest.map_or_else(
@@ -101,9 +96,7 @@ pub(crate) fn expect_silence(
             return Err(refused(format!("a record is only {all}")));
         }
         for channel in channels {
-            let samples = hit
-                .channel(channel)
-                .map_err(|error| RodlabError::step(name, error))?;
+            let samples = hit.channel(channel).in_step(name)?;
             let level = samples.iter().take(FOR_LEVEL).sum::<f64>() / FOR_LEVEL as f64;
             let greatest = |samples: &mut dyn Iterator<Item = &f64>| {
                 samples.fold(0.0_f64, |most, x| most.max((x - level).abs()))

@@ -3,8 +3,8 @@
 use labio::hits::samples_of_motion;
 
 use super::FoundHits;
-use crate::RodlabError;
 use crate::outcome::Setting;
+use crate::{InStep, RodlabError};
 
 impl FoundHits {
     /// Shortens the accepted hits to the samples in which `channels` move
@@ -15,9 +15,8 @@ impl FoundHits {
         channels: &[&str],
         field: &str,
     ) -> Result<(), RodlabError> {
-        let refused = |error| RodlabError::step(field, error);
         let (numbers, hits) = self.numbered();
-        let Some(n_samples) = samples_of_motion(&hits, channels).map_err(refused)? else {
+        let Some(n_samples) = samples_of_motion(&hits, channels).in_step(field)? else {
             return Ok(());
         };
         let milliseconds = hits
@@ -26,7 +25,7 @@ impl FoundHits {
         let longest = hits.iter().map(|hit| hit.n_samples()).max().unwrap_or(0);
         for number in numbers {
             if let Some((log, place)) = self.log_of(number) {
-                log.shorten(place, n_samples).map_err(refused)?;
+                log.shorten(place, n_samples).in_step(field)?;
             }
         }
         self.settings.push(Setting::by_default(

@@ -3,14 +3,13 @@
 use labio::hits::{Criteria, Reason};
 use labio::{Abscissa, Contents, Dimension, Quantity, Record, Series, Unit};
 
-use crate::RodlabError;
 use crate::digits::short;
+use crate::{InStep, RodlabError};
 
 /// Sets a unit for the inspection where the file has none: 1 for values, s for times. Returns true
 /// if the file records every sampling rate.
 pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
-    let unit =
-        |text| Unit::parse(text).map_err(|error| RodlabError::step("checking levels", error));
+    let unit = |text| Unit::parse(text).in_step("checking levels");
     let (one, second) = (unit("1")?, unit("s")?);
     let mut told = true;
     for series in &mut contents.series {
@@ -35,7 +34,6 @@ pub(super) fn of_records(
     records: &[Record],
     rate_is_told: bool,
 ) -> Result<(Vec<String>, Vec<String>), RodlabError> {
-    let judging = |error| RodlabError::step("checking levels", error);
     let (mut wrong, mut as_hits) = (Vec::new(), Vec::new());
     for (number, record) in records.iter().enumerate() {
         let of_which = if records.len() > 1 {
@@ -55,7 +53,7 @@ pub(super) fn of_records(
         };
         let reasons = criteria
             .judge(record, reference.name(), None)
-            .map_err(judging)?;
+            .in_step("checking levels")?;
         for reason in reasons {
             let said = format!("{of_which}{reason}");
             match reason {

@@ -24,7 +24,7 @@ use crate::sheet::{
     BandSheet, Coordinate, Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated,
     Velocity,
 };
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 use passages::Passages;
 
 /// Sheet of the job.
@@ -190,14 +190,12 @@ impl BarSheet {
 
 /// Converts the text of an exact length to a length.
 fn length(text: &str) -> Result<Stated<Length>, RodlabError> {
-    text.parse()
-        .map_err(|error| RodlabError::step("the diameter of the bar", error))
+    text.parse().in_step("the diameter of the bar")
 }
 
 /// Converts the text of a length to a coordinate.
 fn coordinate(text: &str) -> Result<Stated<Coordinate>, RodlabError> {
-    text.parse()
-        .map_err(|error| RodlabError::step("the position of a gauge", error))
+    text.parse().in_step("the position of a gauge")
 }
 
 pub(crate) fn run(sheet: &BarSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {

@@ -40,7 +40,7 @@ use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES, WHITE};
 use crate::outcome::Setting;
 use crate::records::expect_different_files;
 use crate::sheet::{BandSheet, Density, Exact, Ratio, Stated, Temperature, plausible};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 use shifted::{Curve, Shifted};
 use steps::Step;
 
@@ -261,7 +261,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     if let Some(data) = data.filter(|_| sheet.causal) {
         context.progress.begins("finding the causal modulus", 0);
         let estimate = CausalEstimate::new(data);
-        let estimate = estimate.map_err(|error| RodlabError::step("tables", error));
+        let estimate = estimate.in_step("tables");
         causal::state(&mut outcome, &shown(&found, data), estimate)?;
         context.check_cancelled()?;
     }

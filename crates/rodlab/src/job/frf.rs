@@ -36,7 +36,7 @@ use crate::hits::{FoundHit, FoundHits, HitKind, HitsSheet, expect_independent, s
 use crate::outcome::Quantity;
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// The response of one output to one input, with the names of both.
 #[derive(Debug)]
@@ -177,7 +177,7 @@ fn find(
                 AddedDamping::new(1.0 / time.si()).map(|window| criteria.with_decay_rate(window))
             }
         };
-        weighed.map_err(|error| RodlabError::step("exponential_window", error))
+        weighed.in_step("exponential_window")
     };
     let field = format!("{place}hits");
     let mut found =

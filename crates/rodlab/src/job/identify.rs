@@ -28,7 +28,7 @@ use crate::digits::significant;
 use crate::draw::Draw;
 use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, PoissonRatio, Stated, Temperature, plausible};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, Identified, LawFit, Standing};
 
@@ -85,7 +85,7 @@ impl IdentifySheet {
             None => Ok(candidate),
             Some(arrhenius) => candidate
                 .with_activation(arrhenius.reference.si())
-                .map_err(|error| RodlabError::step("arrhenius", error)),
+                .in_step("arrhenius"),
         }
     }
 
@@ -159,8 +159,7 @@ impl IdentifySheet {
         let density = densities
             .map(|density| density.with_uncertainty().relative())
             .fold(0.0, f64::max);
-        SpecimenUncertainty::relative(length, density)
-            .map_err(|error| RodlabError::step("specimen", error))
+        SpecimenUncertainty::relative(length, density).in_step("specimen")
     }
 }
 
@@ -303,7 +302,7 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
         .enumerate()
         .map(|(number, (test, of_sheet))| {
             RecorderCheck::of(test, of_sheet.cutoff.as_ref().map(Exact::si))
-                .map_err(|error| RodlabError::step(format!("tests[{number}].cutoff"), error))
+                .in_step(format!("tests[{number}].cutoff"))
         })
         .collect()
 }
@@ -382,7 +381,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         Selection::new(candidates(sheet)?)
             .map(|selection| selection.with_further(further))
             .and_then(|selection| selection.with_cell(sheet.cell())?.compare(tests))
-            .map_err(|error| RodlabError::step("comparing the laws", error))
+            .in_step("comparing the laws")
     };
     let mut comparison = None;
     // misfit of the best law with the errors of the transducers as stated, set if a law explains

@@ -27,7 +27,7 @@ use crate::draw::NEEDS_ERRORS;
 use crate::outcome::Setting;
 use crate::outcome::{InputFile, LogEntry, Verdict};
 use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -200,16 +200,15 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
         standard_errors,
         tests,
     };
-    let refused = |error| RodlabError::step("predicting a recovery", error);
     statement::state(&mut outcome, &found);
     if matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
         // a model with an unidentified parameter predicts nothing
         found.predictions.clear();
     }
-    outcome.tables = curves::tables(&found).map_err(refused)?;
-    outcome.figures = figures::figures(&found).map_err(refused)?;
+    outcome.tables = curves::tables(&found).in_step("predicting a recovery")?;
+    outcome.figures = figures::figures(&found).in_step("predicting a recovery")?;
     context.check_cancelled()?;
-    statement::predict(&mut outcome, &found).map_err(refused)?;
+    statement::predict(&mut outcome, &found).in_step("predicting a recovery")?;
     Ok(outcome)
 }
 
@@ -251,7 +250,7 @@ fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFi
         asked.exponents.unwrap_or(EXPONENTS),
     )
     .map(Some)
-    .map_err(|error| RodlabError::step("paper_procedure", error))
+    .in_step("paper_procedure")
 }
 
 /// Returns the loads to be predicted, as tests without readings at the times of the curves.
@@ -263,8 +262,8 @@ fn predictions(
     let made = |(index, asked): (usize, &PredictionSheet)| {
         let field = format!("predictions[{index}].load");
         let load = load::history(&asked.load, &field)?;
-        let test = curves::at_times(&asked.name, load, sheet.frequency.si(), &times)
-            .map_err(|error| RodlabError::step(field, error))?;
+        let test =
+            curves::at_times(&asked.name, load, sheet.frequency.si(), &times).in_step(field)?;
         Ok((asked.name.clone(), test))
     };
     sheet.predictions.iter().enumerate().map(made).collect()

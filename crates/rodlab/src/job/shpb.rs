@@ -20,7 +20,7 @@ use rand_chacha::ChaCha8Rng;
 use super::JobContext;
 use crate::bodies::material_sheet;
 use crate::records::{Records, clipped, expect_quantity, expect_same_times};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Seed of the draws of the noise, so that the same sheet gives the same digits.
 const SEED: u64 = 1;
@@ -71,8 +71,7 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
     }
     let several = results.len() > 1;
     if several {
-        let mean = MeanCurve::of(&results)
-            .map_err(|error| RodlabError::step("the mean of the shots", error))?;
+        let mean = MeanCurve::of(&results).in_step("the mean of the shots")?;
         average::state(&mut outcome, &results, &mean)?;
         outcome.tables.push(average::table(&mean)?);
         outcome.figures.push(average::figure(&results, &mean)?);
@@ -204,14 +203,10 @@ fn mean(
         };
         let record = loaded.iter().find(has).unwrap_or(first);
         expect_quantity(record, name, Quantity::Strain, field)?;
-        let refused = |error| RodlabError::step(field, error);
-        for (sum, x) in samples
-            .iter_mut()
-            .zip(record.channel(name).map_err(refused)?)
-        {
+        for (sum, x) in samples.iter_mut().zip(record.channel(name).in_step(field)?) {
             *sum += part * x;
         }
-        let sensor = record.sensor_error(name).map_err(refused)?;
+        let sensor = record.sensor_error(name).in_step(field)?;
         let both = |sum: f64, own: f64| sum.hypot(part * own);
         of_test.factor_uncertainty = both(of_test.factor_uncertainty, sensor.gain);
         of_test.delay_uncertainty = both(of_test.delay_uncertainty, sensor.delay);

@@ -9,7 +9,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use super::lines::Drawn;
 use crate::digits::{hertz, percent, significant};
 use crate::outcome::{Column, Table};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Half width of a band, in standard errors.
 const BAND: f64 = 2.0;
@@ -80,16 +80,15 @@ pub(crate) fn state(
             return Ok(());
         }
     };
-    let refused = |error: CmodError| RodlabError::step("finding the causal modulus", error);
     let lines: Vec<Line> = estimate
         .lines()
         .iter()
         .map(|line| {
-            let found = estimate.at(line.frequency_hz)?;
+            let found = estimate.at(line.frequency_hz);
+            let found = found.in_step("finding the causal modulus")?;
             Ok(Line::new(line.frequency_hz, line.distance, &found))
         })
-        .collect::<Result<_, _>>()
-        .map_err(refused)?;
+        .collect::<Result<_, RodlabError>>()?;
     outcome.summary.push(in_words(&estimate, &lines, shown));
     let p_value = estimate.p_value();
     if shown.level.is_some_and(|level| p_value < level) {

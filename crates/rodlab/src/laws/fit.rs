@@ -10,7 +10,7 @@ use crate::context::JobContext;
 use crate::digits::{hertz, prefix_for, significant};
 use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Fits the laws of a sheet and adds them to `outcome`. Returns the comparison if at least one law
 /// could be fitted.
@@ -37,8 +37,7 @@ pub(crate) fn fit(
         }
         return Ok(None);
     }
-    let comparison = Comparison::new(lines.data, &laws, &options)
-        .map_err(|error| RodlabError::step("laws", error))?;
+    let comparison = Comparison::new(lines.data, &laws, &options).in_step("laws")?;
     context.check_cancelled()?;
     for (law, error) in &comparison.refused {
         outcome

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use rust_xlsxwriter::{DocProperties, ExcelDateTime, Format, Workbook, XlsxError};
 
-use crate::RodlabError;
 use crate::outcome::{PublishedCells, Table};
+use crate::{InStep, RodlabError};
 
 /// Maximum number of characters of the name of a sheet.
 const MOST_CHARACTERS: usize = 31;
@@ -20,8 +20,7 @@ const MARGIN: f64 = 2.0;
 /// names of the columns, the units and the rows. Numbers are written as numbers, and a missing
 /// number is an empty cell. The bytes depend only on the tables.
 pub(super) fn of(tables: &[Table]) -> Result<Vec<u8>, RodlabError> {
-    written(tables)
-        .map_err(|error| RodlabError::step(format!("writing {}", super::WORKBOOK), error))
+    written(tables).in_step(format!("writing {}", super::WORKBOOK))
 }
 
 fn written(tables: &[Table]) -> Result<Vec<u8>, XlsxError> {

@@ -5,8 +5,8 @@ use std::fmt;
 use labio::{BridgeLayout, LabioError, Polarity, Position, Rating, SensorChain, StrainBridge};
 use serde::Deserialize;
 
-use crate::RodlabError;
 use crate::sheet::{self, Coordinate, NotFollowed, Stated, Time};
+use crate::{InStep, RodlabError};
 
 /// A channel of the files, with its sensor.
 #[derive(Debug, Clone, Deserialize)]
@@ -124,7 +124,6 @@ impl ChannelSheet {
     /// Returns the sensor chain of the channel; `None` if the file contains the quantity itself and
     /// needs no correction.
     pub(super) fn chain(&self, field: &str) -> Result<Option<SensorChain>, RodlabError> {
-        let refused = |error| RodlabError::step(field, error);
         if let Some(Sensitivity(rating)) = &self.sensitivity
             && rating.value() < 0.0
         {
@@ -143,27 +142,27 @@ impl ChannelSheet {
                 ));
             }
             (Some(sensitivity), None) => {
-                SensorChain::of_sensitivity(sensitivity.0.clone()).map_err(refused)?
+                SensorChain::of_sensitivity(sensitivity.0.clone()).in_step(field)?
             }
-            (None, Some(bridge)) => SensorChain::of_bridge(bridge.bridge().map_err(refused)?),
+            (None, Some(bridge)) => SensorChain::of_bridge(bridge.bridge().in_step(field)?),
             (None, None) => {
                 let plain = self.gain.is_none() && !self.inverted && self.offset == 0.0;
                 if plain && self.time_skew.is_none() && self.position.is_none() {
                     return Ok(None);
                 }
-                let one = Rating::new(1.0, "1").map_err(refused)?;
-                SensorChain::of_sensitivity(one).map_err(refused)?
+                let one = Rating::new(1.0, "1").in_step(field)?;
+                SensorChain::of_sensitivity(one).in_step(field)?
             }
         };
         if let Some(gain) = &self.gain {
-            chain = chain.with_gain(gain.0.clone()).map_err(refused)?;
+            chain = chain.with_gain(gain.0.clone()).in_step(field)?;
         }
         if let Some(position) = &self.position {
             let position = Position {
                 x: position.si(),
                 standard_uncertainty: 0.0,
             };
-            chain = chain.with_position(position).map_err(refused)?;
+            chain = chain.with_position(position).in_step(field)?;
         }
         if let Some(serial) = &self.serial {
             chain = chain.with_serial(serial);
@@ -183,6 +182,6 @@ impl ChannelSheet {
                 None => Ok(chain),
             })
             .map(Some)
-            .map_err(refused)
+            .in_step(field)
     }
 }

@@ -3,7 +3,7 @@
 use labio::Record;
 use labio::hits::{Criteria, Reason};
 
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Returns a reason for doubt for each of `channels` that is clipped or has a drop-out. It is used
 /// for records that are not judged as hits.
@@ -16,7 +16,7 @@ pub(crate) fn clipped(
         return Ok(Vec::new());
     };
     let reasons = Criteria::bar().judge(record, reference, None);
-    let reasons = reasons.map_err(|error| RodlabError::step(field, error))?;
+    let reasons = reasons.in_step(field)?;
     let faults = reasons.iter().filter(|reason| is_lost(reason, channels));
     Ok(faults.map(|reason| format!("{field}: {reason}")).collect())
 }

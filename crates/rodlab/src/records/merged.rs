@@ -5,7 +5,7 @@ use ndarray::{ArrayView1, Axis, stack};
 
 use super::file_set::FileSet;
 use super::part::{Part, record_name};
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Largest relative difference between sampling rates that count as equal.
 const SAME_RATE: f64 = 1e-9;
@@ -116,7 +116,7 @@ impl FileSet<'_> {
         let samples: Vec<_> = rows.iter().map(|(.., samples)| *samples).collect();
         let refused = || format!("merging {}", named(&self.name()));
         Record::new(
-            stack(Axis(0), &samples).map_err(|error| RodlabError::step(refused(), error))?,
+            stack(Axis(0), &samples).in_step(refused())?,
             first.sampling_rate_hz(),
             first.start_time(),
             rows.into_iter()
@@ -124,7 +124,7 @@ impl FileSet<'_> {
                 .collect(),
             first.provenance().clone(),
         )
-        .map_err(|error| RodlabError::step(refused(), error))
+        .in_step(refused())
     }
 }
 

@@ -9,7 +9,7 @@ use ndarray::Axis;
 use super::file_set::PartFile;
 use super::{Loaded, Records, told};
 use crate::outcome::InputFile;
-use crate::{RodlabError, cut_short, input};
+use crate::{InStep, RodlabError, cut_short, input};
 
 /// Contents of a file of a hit.
 pub(super) enum Part {
@@ -154,8 +154,7 @@ impl Records {
                 ));
             }
             let indices: Vec<usize> = positions.iter().flatten().copied().collect();
-            let selected = selected(record, &indices, file)
-                .map_err(|error| RodlabError::step(format!("{field}, {name}"), error))?;
+            let selected = selected(record, &indices, file).in_step(format!("{field}, {name}"))?;
             records.push(selected);
         }
         Ok(Part::Records(records))

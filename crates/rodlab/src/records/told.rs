@@ -7,8 +7,8 @@ use labio::{Abscissa, Contents, Dimension, LabioError, Series, SeriesAxis, Unit}
 
 use super::file_set::PartFile;
 use super::{ChannelSheet, Records, Selector};
-use crate::RodlabError;
 use crate::digits;
+use crate::{InStep, RodlabError};
 
 /// Largest relative difference at which the sampling rate of the sheet counts as the exact value of
 /// a rate that is rounded in the file.
@@ -291,7 +291,7 @@ fn complete_unit(
             format!("the unit of the samples, such as \"V\": {told}"),
         ));
     };
-    let unit = Unit::parse(text).map_err(|error| RodlabError::step(place, error))?;
+    let unit = Unit::parse(text).in_step(place)?;
     if let Some(told) = &axis.unit {
         let is_same = (told.scale() / unit.scale() - 1.0).abs() < 1e-12;
         if told.dimension() == unit.dimension() && !is_same {
@@ -369,7 +369,7 @@ pub(crate) fn state_rate(
         // a missing or uneven time axis is reported later, when records are made
         _ => return Ok(()),
     };
-    let second = Unit::parse("s").map_err(|error| RodlabError::step("the unit of time", error))?;
+    let second = Unit::parse("s").in_step("the unit of time")?;
     series.abscissa_axis.unit = Some(second);
     "s".clone_into(&mut series.abscissa_axis.unit_text);
     series.abscissa = Abscissa::Even {

@@ -17,7 +17,7 @@ use crate::median::upper_median;
 use crate::outcome::Setting;
 use crate::records::{Records, expect_motion, expect_quantity};
 use crate::sheet::{Duration, Exact, Ratio, Time};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Hits with a force and a response.
 #[derive(Debug, Clone, Deserialize)]
@@ -150,13 +150,12 @@ pub(crate) fn with_silence(
     channels: &[&str],
     field: &str,
 ) -> Result<AveragedSpectra, RodlabError> {
-    let refused = |error| RodlabError::step(field, error);
     let Some(n_silent) = n_silent.filter(|n| *n >= RestNoise::FEWEST_SAMPLES) else {
         return Ok(spectra);
     };
     for channel in channels {
-        let noise = RestNoise::before(hits, channel, n_silent).map_err(refused)?;
-        spectra = spectra.with_rest_noise(channel, &noise).map_err(refused)?;
+        let noise = RestNoise::before(hits, channel, n_silent).in_step(field)?;
+        spectra = spectra.with_rest_noise(channel, &noise).in_step(field)?;
     }
     Ok(spectra)
 }
@@ -177,8 +176,7 @@ pub struct ForceWindowSheet {
 impl ForceWindowSheet {
     /// Returns the window; `field` is its place in the sheet.
     pub(crate) fn window(&self, field: &str) -> Result<ForceWindow, RodlabError> {
-        ForceWindow::new(self.start.si(), self.end.si(), self.taper.si())
-            .map_err(|error| RodlabError::step(field, error))
+        ForceWindow::new(self.start.si(), self.end.si(), self.taper.si()).in_step(field)
     }
 }
 
@@ -215,7 +213,7 @@ impl HitsSource {
             None => Ok(criteria),
             Some(weight) => criteria
                 .with_end_weight(weight.si())
-                .map_err(|error| RodlabError::step(format!("{field}.exponential_window"), error)),
+                .in_step(format!("{field}.exponential_window")),
         };
         let place = format!("{field}.hits");
         let mut found =
@@ -273,11 +271,10 @@ impl HitsSource {
             .map_err(averaging)?
             .with_detrend(level_at_rest(&hits, field)?);
         if let Some(window) = &self.force_window {
-            let place = |error| RodlabError::step(format!("{field}.force_window"), error);
             let gate = window.window(&format!("{field}.force_window"))?;
             averager = averager
                 .with_force_window(&self.force, gate)
-                .map_err(place)?;
+                .in_step(format!("{field}.force_window"))?;
         }
         if let Some(weight) = &self.exponential_window {
             let place = |error| RodlabError::step(format!("{field}.exponential_window"), error);
@@ -320,7 +317,6 @@ impl HitsSource {
         if self.force_window.is_none() {
             return Ok(());
         }
-        let place = |error| RodlabError::step(format!("{field}.force_window"), error);
         let plain = Self {
             force_window: None,
             ..self.clone()
@@ -329,7 +325,7 @@ impl HitsSource {
         let h1 = |spectra: &AveragedSpectra| spectra.h1(&self.force, &self.response);
         let departure = h1(spectra)
             .and_then(|with| with.departure_from(&h1(&plain)?))
-            .map_err(place)?;
+            .in_step(format!("{field}.force_window"))?;
         if let Some(departure) = departure.filter(labio::Departure::is_beyond_errors) {
             outcome.doubt(format!(
                 "{field}: the force window changes the response by {} % in the median and by {} % or more on a tenth of the lines, but its stated error is {} %: it cuts off part of the hits",
@@ -352,14 +348,13 @@ impl HitsSource {
         field: &str,
         outcome: &mut Outcome,
     ) -> Result<FrequencyResponse, RodlabError> {
-        let refused = |error| RodlabError::step(field, error);
         let leakage = leakage_of(
             tests.iter().map(|(test, _)| test),
             &self.force,
             &self.response,
             shares,
         )
-        .map_err(refused)?;
+        .in_step(field)?;
         let (Some(leakage), Some(variance)) = (leakage, &response.variance) else {
             return Ok(response);
         };
@@ -382,7 +377,7 @@ impl HitsSource {
                 short(100.0 * random)
             ));
         }
-        response.with_known_variance(&known).map_err(refused)
+        response.with_known_variance(&known).in_step(field)
     }
 
     /// Returns the standard uncertainties of scale and delay of the whole response, due to the
@@ -392,10 +387,7 @@ impl HitsSource {
     ///
     /// [`RodlabError::Step`] for a missing channel.
     pub fn calibration(&self, hit: &Record, field: &str) -> Result<SensorError, RodlabError> {
-        let of = |channel: &str| {
-            hit.sensor_error(channel)
-                .map_err(|error| RodlabError::step(field, error))
-        };
+        let of = |channel: &str| hit.sensor_error(channel).in_step(field);
         Ok(of(&self.force)?.combined(of(&self.response)?))
     }
 }

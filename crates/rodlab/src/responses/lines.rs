@@ -3,9 +3,9 @@
 use labio::{Coherence, FrequencyResponse, MergedResponse};
 
 use super::MOST_FREEDOM;
-use crate::RodlabError;
 use crate::median::upper_median;
 use crate::outcome::Column;
+use crate::{InStep, RodlabError};
 
 /// Findings about a line.
 pub(crate) struct JudgedLine {
@@ -34,7 +34,7 @@ pub(crate) fn judged_lines(
         .iter()
         .map(|coherence| coherence.chance_level(Coherence::CHANCE))
         .collect::<Result<Vec<_>, _>>()
-        .map_err(|error| RodlabError::step("the level of chance", error))?;
+        .in_step("the level of chance")?;
     let errors = response.random_error();
     let is_weak = |line: usize| {
         let variance = response.variance.as_ref()?;

@@ -6,10 +6,10 @@ use num_complex::Complex64;
 use serde::Deserialize;
 
 use super::{expect_undamped, line_spacing_hz};
-use crate::RodlabError;
 use crate::sheet::{
     Exact, Frequency, ImpactMass, NotFollowed, SpecificImpedance, Stated, ValueWithUncertainty,
 };
+use crate::{InStep, RodlabError};
 
 /// Support of a body.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -92,7 +92,6 @@ impl CompletionSheet {
                 "a free body, whose weighed mass replaces the low-frequency lines",
             ));
         };
-        let refused = |error| RodlabError::step(field, error);
         let completed = RigidBody::new(weighed.mass, weighed.standard_error)
             .and_then(|body| {
                 body.complete(
@@ -103,7 +102,7 @@ impl CompletionSheet {
                     },
                 )
             })
-            .map_err(refused)?;
+            .in_step(field)?;
         Ok((completed.response, completed.first_measured))
     }
 }
@@ -122,10 +121,7 @@ pub fn measured_body(
     field: &str,
 ) -> Result<MeasuredBody, RodlabError> {
     expect_undamped(response, field)?;
-    let mobility = response
-        .to_kind(ResponseKind::Mobility)
-        .map_err(|error| RodlabError::step(field, error))?;
-    let refused = |error| RodlabError::step(field, error);
+    let mobility = response.to_kind(ResponseKind::Mobility).in_step(field)?;
     let mut values = mobility.values.clone();
     let (low, front) = match support {
         SupportSheet::Fixed => (LowFrequency::Fixed, None),
@@ -141,15 +137,15 @@ pub fn measured_body(
         },
     };
     let spacing = line_spacing_hz(&mobility)?;
-    let mut body = MeasuredBody::from_mobility(&values, spacing, low).map_err(refused)?;
+    let mut body = MeasuredBody::from_mobility(&values, spacing, low).in_step(field)?;
     if let Some(variance) = &mobility.variance {
         let mut variance = variance.clone();
         if let Some(first) = variance.first_mut() {
             *first = 0.0;
         }
-        body = body.with_variance(&variance).map_err(refused)?;
+        body = body.with_variance(&variance).in_step(field)?;
         if let Some(freedom) = &mobility.degrees_of_freedom {
-            body = body.with_degrees_of_freedom(freedom).map_err(refused)?;
+            body = body.with_degrees_of_freedom(freedom).in_step(field)?;
         }
     }
     let common = mobility.common_error.iter().flatten();
@@ -157,10 +153,10 @@ pub fn measured_body(
         .copied()
         .filter(|e| e.is_finite())
         .fold(0.0, f64::max);
-    body = body.with_scale_error(scale).map_err(refused)?;
+    body = body.with_scale_error(scale).in_step(field)?;
     if let Some(impedance) = front_impedance.map(|stated| stated.value).or(front) {
-        body = body.with_front_impedance(impedance).map_err(refused)?;
+        body = body.with_front_impedance(impedance).in_step(field)?;
     }
     let front_error = front_impedance.map_or(0.0, |stated| stated.uncertainty());
-    body.with_front_error(front_error).map_err(refused)
+    body.with_front_error(front_error).in_step(field)
 }

@@ -9,7 +9,7 @@ use crate::bodies::measured::MeasuredBodySheet;
 use crate::outcome::Quantity;
 use crate::responses::{CompletionSheet, ResponseFile, SupportSheet};
 use crate::sheet::{Duration, Exact, Frequency, Ratio, SpecificImpedance, Stated, Stiffness};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Bodies joined at points, struck at one of them. All points move along one axis.
 #[derive(Debug, Clone, Deserialize)]
@@ -224,7 +224,7 @@ impl MeasuredPointsSheet {
                 if let (Some(forward), Some(backward)) = (&entry, directions.next()) {
                     let (mean, reciprocity) = forward
                         .mean_of_directions(&backward?)
-                        .map_err(|error| RodlabError::step(format!("{field}.mobilities"), error))?;
+                        .in_step(format!("{field}.mobilities"))?;
                     compared.push(BothDirections {
                         points: [row, column]
                             .map(|at| self.points.get(at).cloned().unwrap_or_default()),
@@ -238,10 +238,7 @@ impl MeasuredPointsSheet {
             }
         }
         let points = MeasuredPoints::of(count, entries);
-        Ok((
-            points.map_err(|error| RodlabError::step(field, error))?,
-            compared,
-        ))
+        Ok((points.in_step(field)?, compared))
     }
 }
 
@@ -294,7 +291,7 @@ impl AssemblySheet {
                     stiffness.as_ref().map_or(0.0, Stated::nominal),
                     resistance.as_ref().map_or(0.0, Stated::nominal),
                 )
-                .map_err(|error| RodlabError::step(place, error))?,
+                .in_step(place)?,
             });
         }
         if self.joints.iter().any(JointSheet::is_to_ground) {

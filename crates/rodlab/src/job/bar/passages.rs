@@ -8,10 +8,10 @@ use labio::hits::Extent;
 use labio::ratio::Pulse;
 
 use super::{BarGaugeSheet, BarSheet};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::records::channel_called;
 use crate::sheet::{Exact, Time};
+use crate::{InStep, RodlabError};
 
 /// Start and end, measured from the beginning of a record.
 pub(super) type Window = (Exact<Time>, Exact<Time>);
@@ -87,8 +87,7 @@ impl Passages {
     /// Returns the time of a sample in the form of a sheet.
     fn time(&self, sample: usize) -> Result<Exact<Time>, RodlabError> {
         let text = format!("{} us", 1e6 * sample as f64 / self.rate_hz);
-        text.parse()
-            .map_err(|error| RodlabError::step("the window of a pulse", error))
+        text.parse().in_step("the window of a pulse")
     }
 }
 

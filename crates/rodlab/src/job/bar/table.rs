@@ -5,10 +5,10 @@ use cmod::estimate::{ComplexCovariance, coverage_factor};
 use num_complex::Complex64;
 
 use super::BarSheet;
-use crate::RodlabError;
 use crate::digits::{hertz, with_unit};
 use crate::job::modulus::Found;
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 /// Probability of the bands.
 const LEVEL: f64 = 0.95;
@@ -36,7 +36,7 @@ impl Line {
     /// Half widths of the 95 % bands of α [1/m], k [rad/m] and c [m/s].
     pub(super) fn half_widths(&self) -> Result<[f64; 3], RodlabError> {
         let factor = coverage_factor(LEVEL, self.degrees_of_freedom)
-            .map_err(|error| RodlabError::step("bands of the propagation coefficient", error))?;
+            .in_step("bands of the propagation coefficient")?;
         let [damping, wave_number] =
             [self.covariance.real, self.covariance.imaginary].map(|v| factor * v.sqrt());
         let speed = self.phase_velocity() * wave_number / self.gamma.im;

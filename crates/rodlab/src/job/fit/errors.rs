@@ -18,7 +18,7 @@ use crate::digits::hertz;
 use crate::draw::Draw;
 use crate::outcome::LogEntry;
 use crate::sheet::{Exact, Ratio};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Relative standard error assumed for the weights of rows without stated errors: the same fraction
 /// of |E| for E' and for E'', as for an instrument that measures absolute value and phase. The
@@ -366,9 +366,7 @@ pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) -> Result<(), R
                 .filter_map(|row| Some((row.time()?, row.modulus.re)));
             let (times, moduli): (Vec<f64>, Vec<f64>) = points.unzip();
             let check = relaxation(&times, &moduli, RISING);
-            let check = check.map_err(|error| {
-                RodlabError::step(format!("tables, at {}", step.in_words()), error)
-            })?;
+            let check = check.in_step(format!("tables, at {}", step.in_words()))?;
             if check.has_failed() {
                 rising.push(step.in_words());
             }

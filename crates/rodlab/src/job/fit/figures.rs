@@ -11,7 +11,7 @@ use super::columns::Row;
 use super::nomogram::nomogram;
 use super::steps::{Step, to_celsius};
 use super::{Found, Sweep};
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Number of points of a curve.
 const POINTS: u32 = 161;
@@ -21,8 +21,7 @@ const MOST_NAMED: usize = 5;
 pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
     let mut figures = Vec::new();
     if let Some(sweep) = &found.sweep {
-        let refused = |error| RodlabError::step("figures of the master curve", error);
-        let series = series_over(&sweep.curve).map_err(refused)?;
+        let series = series_over(&sweep.curve).in_step("figures of the master curve")?;
         figures.push(master_curve(found, sweep, &series));
         if found.has_frequencies() {
             figures.push(nomogram(found, &sweep.curve, &series));

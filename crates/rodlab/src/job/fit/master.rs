@@ -9,8 +9,8 @@ use cmod::rheology::{
 use serde::Deserialize;
 
 use super::{FitSheet, Sweep};
-use crate::RodlabError;
 use crate::sheet::{Exact, Temperature};
+use crate::{InStep, RodlabError};
 
 use super::steps::celsius;
 
@@ -94,10 +94,9 @@ pub(super) fn joined(
     if data.len() < 2 {
         return Ok(None);
     }
-    let refused = |error| RodlabError::step("tables", error);
-    let sweep = TemperatureSweep::new(data.to_vec()).map_err(refused)?;
+    let sweep = TemperatureSweep::new(data.to_vec()).in_step("tables")?;
     let (sweep, reference) = stated(sheet, sweep)?;
-    let joined = sweep.connected(reference).map_err(refused)?;
+    let joined = sweep.connected(reference).in_step("tables")?;
     Ok(Some(joined.len()))
 }
 
@@ -139,9 +138,7 @@ fn stated(
     if let Some(stated) = &sheet.stated_shifts {
         let shifts = temperatures.iter().map(|t| stated.log_shift(*t));
         let shifts: Vec<f64> = shifts.collect::<Result<_, _>>()?;
-        sweep = sweep
-            .with_stated_shifts(&shifts)
-            .map_err(|error| RodlabError::step("stated_shifts", error))?;
+        sweep = sweep.with_stated_shifts(&shifts).in_step("stated_shifts")?;
     }
     sweep = match sheet.vertical_shifts {
         None | Some(VerticalSheet::AsNeeded) => sweep,
@@ -154,7 +151,7 @@ fn stated(
             let densities: Vec<f64> = temperatures.iter().map(density).collect();
             sweep
                 .with_rubber_elasticity(&densities)
-                .map_err(|error| RodlabError::step("vertical_shifts", error))?
+                .in_step("vertical_shifts")?
         }
     };
     if let Some(stated) = &sheet.reference_temperature {

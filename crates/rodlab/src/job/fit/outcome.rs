@@ -13,7 +13,7 @@ use crate::digits::{hertz, percent, short, significant, with_error, with_unit};
 use crate::laws::{WHITE, unexplained};
 use crate::outcome::{CHECK, LogEntry, Quantity, sentence};
 use crate::sheet::Exact;
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Number of standard errors by which a shift must rise with temperature to count as wrong.
 const RISES: f64 = 2.0;
@@ -357,7 +357,7 @@ fn one_curve(
         ));
     }
     let departure = curve.departure_of_reference(stated);
-    if let Some(departure) = departure.map_err(|e| RodlabError::step("scale_uncertainty", e))? {
+    if let Some(departure) = departure.in_step("scale_uncertainty")? {
         let factor = departure.log_factor.exp();
         outcome.doubt(format!(
             "the sweep at the reference temperature, {}, departs from its neighbours by a factor of {}, expected 1, as after repeated clamping: all \

@@ -9,7 +9,7 @@ use super::errors;
 use super::master;
 use super::steps::Step;
 use super::{FitSheet, Sweep};
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Curve of all steps and the weights of its rows; several temperatures form a master curve.
 pub(super) struct Shifted {
@@ -37,8 +37,7 @@ impl Shifted {
         let curve = match <[(f64, ModulusData); 1]>::try_from(data) {
             Ok([(_, single)]) => Curve::Single(single),
             Err(data) => {
-                let sweep = TemperatureSweep::new(data)
-                    .map_err(|error| RodlabError::step("tables", error))?;
+                let sweep = TemperatureSweep::new(data).in_step("tables")?;
                 Curve::Several(master::of(sheet, sweep, error_scale)?.map(Box::new))
             }
         };

@@ -11,9 +11,9 @@ use num_complex::Complex64;
 use super::columns::Row;
 use super::steps::to_celsius;
 use super::{Found, Sweep};
-use crate::RodlabError;
 use crate::laws::of_value;
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 /// Returns the table of all fitted rows.
 pub(super) fn data(found: &Found<'_>) -> Table {
@@ -101,8 +101,10 @@ pub(super) fn of_sweep(found: &Found<'_>) -> Result<Vec<Table>, RodlabError> {
     let Some(sweep) = &found.sweep else {
         return Ok(Vec::new());
     };
-    let refused = |error| RodlabError::step("the master curve", error);
-    let mut tables = vec![master_curve(found, sweep).map_err(refused)?, shifts(sweep)];
+    let mut tables = vec![
+        master_curve(found, sweep).in_step("the master curve")?,
+        shifts(sweep),
+    ];
     if let Ok(laws) = &sweep.shift_laws {
         tables.push(shift_laws(laws, sweep.by_scatter.as_ref()));
     }

@@ -4,7 +4,7 @@ use labio::format::csv::TableColumn;
 use labio::{Dimension, Unit};
 use serde::Deserialize;
 
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Units of columns for which the file contains none.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -162,7 +162,7 @@ pub(super) fn of(
         (Some(unit), _) => Ok(unit),
         (None, Some(stated)) => Ok(stated),
         (None, None) if wanted == Wanted::Number && written.is_empty() => {
-            Unit::parse("1").map_err(|error| RodlabError::step(place, error))
+            Unit::parse("1").in_step(place)
         }
         (None, None) => {
             let found = if written.is_empty() {

@@ -20,7 +20,7 @@ use crate::job::mobility::screening;
 use crate::outcome::Quantity;
 use crate::responses::{cut, measured_body};
 use crate::sheet::{Exact, Stated};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// A body of an impact.
 pub(super) enum FaceBody {
@@ -102,9 +102,7 @@ impl FaceBody {
                     draws.n_drawn += 1;
                 }
                 let drawn = body.drawn(*scale, *delay, draws.random);
-                Ok(Arc::new(
-                    drawn.map_err(|error| RodlabError::step(field, error))?,
-                ))
+                Ok(Arc::new(drawn.in_step(field)?))
             }
             Self::Assembly { measured, .. } => {
                 let BodySheet::Assembly(drawn) = draws.body(sheet, field)? else {
@@ -194,8 +192,7 @@ impl FaceBody {
         n_lines: usize,
         field: &str,
     ) -> Result<Vec<Complex64>, RodlabError> {
-        lines_of(&*self.impact_body()?, frequency_step_hz, n_lines)
-            .map_err(|error| RodlabError::step(field, error))
+        lines_of(&*self.impact_body()?, frequency_step_hz, n_lines).in_step(field)
     }
 
     /// Mobility at `frequencies_hz`, or on the measured lines among them.
@@ -220,7 +217,7 @@ impl FaceBody {
         };
         let at = |f: &f64| body.mobility_at(Complex64::new(0.0, std::f64::consts::TAU * f));
         let values = frequencies_hz.iter().map(at).collect::<Result<Vec<_>, _>>();
-        let values = values.map_err(|error| RodlabError::step(field, error))?;
+        let values = values.in_step(field)?;
         Ok((frequencies_hz, values))
     }
 }
@@ -236,7 +233,7 @@ impl MeasuredMember {
         if let Some(draw) = &context.draw {
             points = draw
                 .with_random(|random| points.drawn(scale, delay, random))
-                .map_err(|error| RodlabError::step(field, error))?;
+                .in_step(field)?;
         }
         Ok(Self {
             points,
@@ -251,9 +248,7 @@ impl MeasuredMember {
             draws.n_drawn += 1;
         }
         let drawn = self.points.drawn(self.scale, self.delay, draws.random);
-        Ok(Arc::new(
-            drawn.map_err(|error| RodlabError::step(field, error))?,
-        ))
+        Ok(Arc::new(drawn.in_step(field)?))
     }
 }
 
@@ -277,8 +272,7 @@ fn read_assembly(
             (Some(points), _) => Some(read_points(points, &place, context, outcome)?),
             (None, Some(BodySheet::Measured(body))) => {
                 let face = read_measured((body, Place::Point), &place, context, outcome)?;
-                let points = MeasuredPoints::of(1, vec![face.body])
-                    .map_err(|error| RodlabError::step(&place, error))?;
+                let points = MeasuredPoints::of(1, vec![face.body]).in_step(&place)?;
                 let errors = (face.scale, face.delay);
                 Some(MeasuredMember::of(points, errors, &place, context)?)
             }
@@ -350,7 +344,7 @@ fn read_measured(
     if let Some(scale) = &sheet.scale_uncertainty {
         response = response
             .with_common_error(scale.si())
-            .map_err(|error| RodlabError::step(format!("{field}.scale_uncertainty"), error))?;
+            .in_step(format!("{field}.scale_uncertainty"))?;
     }
     let mut first_measured = 1;
     if let Some(completion) = &sheet.complete {
@@ -367,7 +361,7 @@ fn read_measured(
     )?
     .with_first_measured(first_measured)
     .with_delay_error(delay)
-    .map_err(|error| RodlabError::step(format!("{field}.delay_uncertainty"), error))?;
+    .in_step(format!("{field}.delay_uncertainty"))?;
     outcome.by_default(format!("{field}.support"), sheet.support.in_words());
     outcome.by_default(format!("{field}.scale_uncertainty"), "none");
     outcome.by_default(format!("{field}.delay_uncertainty"), "none");
@@ -406,7 +400,7 @@ fn read_measured(
     if let (Some(draw), Place::Face) = (&context.draw, place) {
         body = draw
             .with_random(|random| body.drawn(scale, delay, random))
-            .map_err(|error| RodlabError::step(field, error))?;
+            .in_step(field)?;
     }
     let weighed = sheet.support.weighed();
     Ok(MeasuredFace {

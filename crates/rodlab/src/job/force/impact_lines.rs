@@ -18,7 +18,7 @@ use crate::digits::with_unit;
 use crate::job::JobContext;
 use crate::outcome::{Column, Quantity, Table};
 use crate::sheet::Exact;
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Fraction of the peak below which the force counts as ringing of the band limit, not as
 /// separation.
@@ -76,7 +76,6 @@ pub(super) fn on_lines(
     let Some((step_hz, n_lines)) = grid(sheet, bodies)? else {
         return Ok(None);
     };
-    let refused = |error| RodlabError::step("problem.lines", error);
     let first = bodies[0].lines(step_hz, n_lines, "problem.first")?;
     let second = bodies[1].lines(step_hz, n_lines, "problem.second")?;
     let highest_hz = (n_lines - 1) as f64 * step_hz;
@@ -104,7 +103,7 @@ pub(super) fn on_lines(
         interpolation: INTERPOLATION,
         until: Some(sheet.duration.si()),
     };
-    let stick = problem.solve().map_err(refused)?;
+    let stick = problem.solve().in_step("problem.lines")?;
     if let impulse::Settlement::Unsettled { relative_level } = stick.settlement {
         outcome.warnings.push(format!(
             "The stick force on lines has not died out within its period: {relative_level:.2e} of the peak remains and has wrapped around."
@@ -132,7 +131,7 @@ pub(super) fn on_lines(
     let anything = !uncertainty.is_zero();
     let history = &stick.history;
     let threshold = THRESHOLD * history.peak().force.abs();
-    let impact = separate(history, threshold).map_err(refused)?;
+    let impact = separate(history, threshold).in_step("problem.lines")?;
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut draws = Draws::by(&mut random);
     let materials = draws.materials(materials)?;
@@ -162,7 +161,9 @@ pub(super) fn on_lines(
     } else {
         None
     };
-    let impulse = problem.contact_impulse(threshold).map_err(refused)?;
+    let impulse = problem
+        .contact_impulse(threshold)
+        .in_step("problem.lines")?;
     Ok(Some(OnLines {
         impulse,
         stick,
@@ -238,19 +239,20 @@ fn bands(
         outcome.by_default("problem.uncertainty.seed", seed);
     }
     outcome.by_default("problem.uncertainty.level", level);
-    let refused = |error| RodlabError::step("problem.uncertainty", error);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let history = &stick.history;
-    let error = problem.error(uncertainty).map_err(refused)?;
+    let error = problem.error(uncertainty).in_step("problem.uncertainty")?;
     let threshold = THRESHOLD * history.peak().force.abs();
     let drawn = uncertainty
         .monte_carlo(problem, threshold, draws, &mut random)
-        .map_err(refused)?;
+        .in_step("problem.uncertainty")?;
     let last_line = (problem.first.len() - 1) as f64;
     let period = 1.0 / (problem.frequency_step_hz * last_line);
     Ok(Bands {
         level,
-        pointwise: error.pointwise(history, level).map_err(refused)?,
+        pointwise: error
+            .pointwise(history, level)
+            .in_step("problem.uncertainty")?,
         simultaneous: error
             .simultaneous(
                 history,
@@ -259,10 +261,12 @@ fn bands(
                 DRAWS_OF_BAND,
                 &mut random,
             )
-            .map_err(refused)?,
+            .in_step("problem.uncertainty")?,
         end: error.contact_end(history, impact),
-        contact: drawn.contact_band(level).map_err(refused)?,
-        limits_of_end: drawn.contact_end_limits(level).map_err(refused)?,
+        contact: drawn.contact_band(level).in_step("problem.uncertainty")?,
+        limits_of_end: drawn
+            .contact_end_limits(level)
+            .in_step("problem.uncertainty")?,
         draws: drawn,
         error,
     })

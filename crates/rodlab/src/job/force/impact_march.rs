@@ -11,11 +11,11 @@ use rand_chacha::ChaCha8Rng;
 use super::bodies::FaceBody;
 use super::draws::Draws;
 use super::impact_sheet::ImpactSheet;
-use crate::RodlabError;
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
 use crate::job::JobContext;
 use crate::sheet::plausible;
+use crate::{InStep, RodlabError};
 
 /// Maximum number of steps of a march.
 const MOST_STEPS: f64 = 1e6;
@@ -45,7 +45,7 @@ pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLi
         Some(stated) => BandLimit::up_to(stated.si()),
         None => BandLimit::by_default(measured_to),
     };
-    band.map_err(|error| RodlabError::step("problem.band", error))
+    band.in_step("problem.band")
 }
 
 pub(super) fn march(

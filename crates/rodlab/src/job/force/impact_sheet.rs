@@ -3,11 +3,11 @@
 use impulse::{ContactLaw, ElasticMaterial, TabulatedContact};
 use serde::Deserialize;
 
-use crate::RodlabError;
 use crate::bodies::face::BodySheet;
 use crate::sheet::{
     Duration, Exact, Force, Frequency, Length, Pressure, Ratio, Stated, Stiffness, Velocity,
 };
+use crate::{InStep, RodlabError};
 
 /// Two bodies that meet.
 #[derive(Debug, Clone, Deserialize)]
@@ -100,7 +100,7 @@ impl ContactSheet {
                 TabulatedContact::new(&points).map(ContactLaw::Tabulated)
             }
         }
-        .map_err(|error| RodlabError::step("problem.contact", error))
+        .in_step("problem.contact")
     }
 
     pub(super) fn in_words(&self) -> &'static str {

@@ -7,7 +7,7 @@ use impulse::{
 use super::impact_lines::OnLines;
 use super::impact_march::{in_words, khz};
 use crate::outcome::{Column, Quantity, Table};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// The computed results.
 pub(super) struct Found {
@@ -146,9 +146,7 @@ fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
 /// Returns the band that contains the whole history of the band-limited force with a probability of
 /// 95 %; `None` without draws.
 pub(super) fn whole_history(march: &UncertainPrediction) -> Result<Option<ForceBand>, RodlabError> {
-    march
-        .simultaneous(0.95)
-        .map_err(|error| RodlabError::step("the band of the force", error))
+    march.simultaneous(0.95).in_step("the band of the force")
 }
 
 /// Returns the table of the force in the band.

@@ -13,7 +13,7 @@ use super::response_solve::window;
 use crate::digits::{significant, with_unit};
 use crate::outcome::{LogEntry, Quantity};
 use crate::sheet::Exact;
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 const DRAWS: usize = 1000;
 const SEED: u64 = 1;
@@ -83,7 +83,6 @@ pub(super) fn bands(
     outcome.by_default("problem.uncertainty.draws", draws);
     outcome.by_default("problem.uncertainty.seed", seed);
     outcome.by_default("problem.uncertainty.level", level);
-    let refused = |error| RodlabError::step("problem.uncertainty", error);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let history = &solved.history;
     let window = window(problem);
@@ -111,11 +110,15 @@ pub(super) fn bands(
     let random = error
         .map(|error| {
             Ok::<_, RodlabError>(Random {
-                pointwise: band(error.pointwise(history, level).map_err(refused)?),
+                pointwise: band(
+                    error
+                        .pointwise(history, level)
+                        .in_step("problem.uncertainty")?,
+                ),
                 simultaneous: band(
                     error
                         .simultaneous(history, level, window, draws, &mut random)
-                        .map_err(refused)?,
+                        .in_step("problem.uncertainty")?,
                 ),
                 error,
             })

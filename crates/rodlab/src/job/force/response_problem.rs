@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use super::response_sheet::{FurtherResponse, NoiseSheet, ResponseSheet};
 use crate::hits::Stretch;
 use crate::responses::completed;
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Minimum number of samples at rest: the standard deviation is then known to 16 %.
 pub(super) const FEWEST_AT_REST: usize = 20;
@@ -80,7 +80,6 @@ pub(super) fn problem<'a>(
     record: &Record,
     outcome: &mut Outcome,
 ) -> Result<Problem<'a>, RodlabError> {
-    let step = |error| RodlabError::step("problem.response", error);
     let further = |at: usize| move |field: &str| further_place(at, field);
     let mut paths = paths.into_iter();
     let Some(path) = paths.next() else {
@@ -111,7 +110,7 @@ pub(super) fn problem<'a>(
         .as_ref()
         .map(|name| record.channel(name).map(|samples| samples.to_vec()))
         .transpose()
-        .map_err(step)?;
+        .in_step("problem.response")?;
     Ok(Problem {
         sheet,
         first,
@@ -229,9 +228,7 @@ pub(super) fn on_lines_of(
             "a channel of acceleration, velocity or displacement",
         ));
     };
-    let mut path = path
-        .to_kind(kind)
-        .map_err(|error| RodlabError::step("problem.path", error))?;
+    let mut path = path.to_kind(kind).in_step("problem.path")?;
     let n_lines = record.n_samples() / 2 + 1;
     let spacing = record.sampling_rate_hz() / record.n_samples() as f64;
     path.values

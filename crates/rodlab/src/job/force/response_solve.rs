@@ -16,7 +16,7 @@ use crate::digits::short;
 use crate::hits::FoundHits;
 use crate::job::JobContext;
 use crate::responses::{HitsSource, completed};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Minimum number of calibration hits, so that each can be reconstructed from the others.
 const FEWEST_HITS: usize = 3;
@@ -71,7 +71,7 @@ pub(super) fn path_of<'a>(
             &hits.force,
             &hits.response,
         )
-        .map_err(|error| RodlabError::step(field, error))
+        .in_step(field)
 }
 
 /// Responses to an impact, with the sampling rate and the time in which the force acts.
@@ -242,14 +242,14 @@ pub(super) fn lines_of_hits(
     if let (Some(window), Some(first)) = (path.added_damping, records.first()) {
         let weights = window
             .weights(first.n_samples(), first.sampling_rate_hz())
-            .map_err(|error| RodlabError::step("problem.path", error))?;
+            .in_step("problem.path")?;
         for (sample, weight) in forces.iter_mut().flat_map(|f| f.iter_mut().zip(&weights)) {
             *sample *= weight;
         }
     }
     let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
     let lines = CalibrationLines::of(variance, &forces)
-        .map_err(|error| RodlabError::step("problem.path, noise by calibration hits", error))?;
+        .in_step("problem.path, noise by calibration hits")?;
     path.variance = Some(lines.variance.clone());
     Ok(Some(lines))
 }
@@ -259,7 +259,7 @@ fn forces_of(hits: &HitsSource, records: &[&Record]) -> Result<Vec<Vec<f64>>, Ro
         record
             .channel(&hits.force)
             .map(|samples| samples.to_vec())
-            .map_err(|error| RodlabError::step("problem.path", error))
+            .in_step("problem.path")
     });
     forces.collect()
 }
@@ -272,7 +272,7 @@ pub(super) fn span_of(
 ) -> Result<Option<BlowSpan>, RodlabError> {
     let forces = forces_of(hits, records)?;
     let forces: Vec<&[f64]> = forces.iter().map(Vec::as_slice).collect();
-    let span = BlowSpan::of(&forces).map_err(|error| RodlabError::step("problem.path", error))?;
+    let span = BlowSpan::of(&forces).in_step("problem.path")?;
     Ok(span.filter(|span| span.before + span.after < LONGEST))
 }
 
@@ -450,8 +450,8 @@ pub(super) fn scatter(
             let path = path_of(hits, others.iter().copied(), context)?;
             let mut path = on_lines_of(path, hit, &hits.response)?;
             let lines = lines_of_hits(hits, &others, &mut path)?;
-            let samples = completed(hit, &hits.response, path.added_damping)
-                .map_err(|error| RodlabError::step("problem.path", error))?;
+            let samples =
+                completed(hit, &hits.response, path.added_damping).in_step("problem.path")?;
             let noise = match (&seen.noise, &lines) {
                 (Noise::Lines(_), Some(lines)) => Noise::Lines(lines.noise.clone()),
                 (other, _) => other.clone(),
@@ -467,7 +467,7 @@ pub(super) fn scatter(
         let seen: Vec<Seen> = seen.collect::<Result<_, RodlabError>>()?;
         let measured = hit
             .channel(force_of(sources))
-            .map_err(|error| RodlabError::step("problem.path", error))?
+            .in_step("problem.path")?
             .to_vec();
         let measured = problem.in_band(&measured);
         let largest = largest(&measured);

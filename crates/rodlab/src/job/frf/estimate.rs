@@ -7,11 +7,11 @@ use labio::{
 };
 
 use super::sheet::{DetrendSheet, FrfSheet, WindowSheet};
-use crate::RodlabError;
 use crate::hits::{expect_noise, level_at_rest};
 use crate::job::JobContext;
 use crate::median::upper_median;
 use crate::responses::{JudgedLine, in_words, judged_lines, leakage_of};
+use crate::{InStep, RodlabError};
 
 /// A response with its errors and objections.
 #[derive(Debug)]
@@ -133,7 +133,7 @@ pub(super) fn added_damping(
     window
         .map(|window| window.over(duration))
         .transpose()
-        .map_err(|error| RodlabError::step("exponential_window", error))
+        .in_step("exponential_window")
 }
 
 /// Returns the trend that is removed from `hits` before the windows are applied.
@@ -164,22 +164,20 @@ pub(super) fn averager(
     };
     let window = sheet.window_or_default().window();
     let mut averager = SpectrumAverager::for_records_like(first, window)
-        .map_err(|error| RodlabError::step("window", error))?
+        .in_step("window")?
         .with_detrend(detrend(sheet, hits)?);
     if let Some(force_window) = &sheet.force_window {
         averager = averager
             .with_force_window(&sheet.input, force_window.window("force_window")?)
-            .map_err(|error| RodlabError::step("force_window", error))?;
+            .in_step("force_window")?;
     }
     if let Some(damping) = added_damping(sheet, first.duration())? {
         averager = averager
             .with_exponential_window(damping)
-            .map_err(|error| RodlabError::step("exponential_window", error))?;
+            .in_step("exponential_window")?;
     }
     if window == Window::Rectangular {
-        averager = averager
-            .with_completion()
-            .map_err(|error| RodlabError::step("averaging hits", error))?;
+        averager = averager.with_completion().in_step("averaging hits")?;
     }
     Ok(averager)
 }
@@ -212,14 +210,15 @@ pub(super) fn departure(
     if rectangular && at_rest && sheet.force_window.is_none() {
         return Ok(None);
     }
-    let place = |error| RodlabError::step("response without windows", error);
     let response = |spectra: &AveragedSpectra| {
         spectra
             .response(Estimator::H1, &sheet.input, output)
-            .map_err(place)
+            .in_step("response without windows")
     };
     let without = response(&self::spectra(&plain, hits, context)?)?;
-    response(spectra)?.departure_from(&without).map_err(place)
+    response(spectra)?
+        .departure_from(&without)
+        .in_step("response without windows")
 }
 
 /// Returns the averaged spectra of `hits`; an error if there is no hit.
@@ -260,7 +259,7 @@ pub(super) fn estimate(
         let merge = second.merge.unwrap_or_default();
         let merged = merge
             .merge(&with_sensors, estimator, (input, output))
-            .map_err(|error| RodlabError::step("second_hammer", error))?;
+            .in_step("second_hammer")?;
         (merged.response.clone(), Some(merged))
     } else {
         let none = LabioError::TooFewAverages {
@@ -407,14 +406,13 @@ fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabErr
     let completed = match &sheet.weighed_mass {
         None => None,
         Some(weighed) => {
-            let place = |error| RodlabError::step("weighed_mass", error);
             let mass = weighed.mass.with_uncertainty();
             let band = RigidBand {
                 from_hz: weighed.below.si(),
                 to_hz: weighed.fitted_to.si(),
             };
-            let body = RigidBody::new(mass.value, mass.uncertainty()).map_err(place)?;
-            let completed = body.complete(&response, band).map_err(place)?;
+            let body = RigidBody::new(mass.value, mass.uncertainty()).in_step("weighed_mass")?;
+            let completed = body.complete(&response, band).in_step("weighed_mass")?;
             for objection in objections.iter_mut().take(completed.first_measured) {
                 *objection = None;
             }
@@ -431,9 +429,7 @@ fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabErr
         .as_ref()
         .map_or(response, |completed| completed.response.clone());
     let response = match sheet.kind.unwrap_or_default().kind() {
-        Some(kind) => response
-            .to_kind(kind)
-            .map_err(|error| RodlabError::step("kind", error))?,
+        Some(kind) => response.to_kind(kind).in_step("kind")?,
         None => response,
     };
     for (objection, validity) in objections.iter_mut().zip(&response.validity) {

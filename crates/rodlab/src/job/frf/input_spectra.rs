@@ -6,7 +6,7 @@ use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::estimate;
 use super::sheet::FrfSheet;
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Fraction of the maximum of the mean spectrum at which the spectrum of the input ends; it is -20
 /// dB.
@@ -25,7 +25,6 @@ pub(super) fn figure(
     name: &str,
     title: &str,
 ) -> Result<Figure, RodlabError> {
-    let refused = |error| RodlabError::step("spectra of the input", error);
     let frequency: Vec<f64> = spectra.frequency_hz().iter().map(|f| f * KHZ).collect();
     let mut marks = Vec::new();
     let mut draw = |lines: &[f64], name: &str, role| {
@@ -34,18 +33,18 @@ pub(super) fn figure(
     let known = spectra.channels().iter().find(|c| c.name() == sheet.input);
     let unit = known.map_or("", |channel| channel.quantity().unit());
     for (index, hit) in hits.iter().take(MOST_HITS).enumerate() {
-        let alone = only(hit, &sheet.input).map_err(refused)?;
+        let alone = only(hit, &sheet.input).in_step("spectra of the input")?;
         let mut averager: SpectrumAverager = estimate::averager(sheet, &[&alone])?;
-        averager.add(&alone).map_err(refused)?;
+        averager.add(&alone).in_step("spectra of the input")?;
         let lines = averager
             .spectra()
             .and_then(|spectra| spectra.auto(&sheet.input))
-            .map_err(refused)?;
+            .in_step("spectra of the input")?;
         let name = if index == 0 { "single hits" } else { "" };
         draw(&lines, name, Role::Faint);
     }
     draw(
-        &spectra.auto(&sheet.input).map_err(refused)?,
+        &spectra.auto(&sheet.input).in_step("spectra of the input")?,
         "mean",
         Role::First,
     );
@@ -86,9 +85,7 @@ fn only(record: &Record, name: &str) -> Result<Record, labio::LabioError> {
 /// Returns the highest frequency up to which the mean spectrum of the input stays within 20 dB of
 /// its maximum.
 pub(super) fn end_of(spectra: &AveragedSpectra, input: &str) -> Result<f64, RodlabError> {
-    let lines = spectra
-        .auto(input)
-        .map_err(|error| RodlabError::step("spectra of the input", error))?;
+    let lines = spectra.auto(input).in_step("spectra of the input")?;
     let greatest = lines.iter().copied().fold(0.0, f64::max);
     let peak = lines.iter().position(|x| x.total_cmp(&greatest).is_eq());
     let from = peak.unwrap_or(0);

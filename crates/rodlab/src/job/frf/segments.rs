@@ -12,7 +12,7 @@ use crate::digits::short;
 use crate::job::JobContext;
 use crate::records::{NamedRecord, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::with_silence;
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Default overlap, as a fraction of a segment.
 const OVERLAP: f64 = 0.5;
@@ -59,7 +59,7 @@ pub(super) fn run(
         None => 0,
         Some(silent) => Extent::Seconds(silent.si())
             .samples(rate)
-            .map_err(|error| RodlabError::step("silent", error))?,
+            .in_step("silent")?,
     };
     let averaging = |error| RodlabError::step("averaging segments", error);
     let whole: Vec<&Record> = loaded.records.iter().map(|named| &named.record).collect();
@@ -160,7 +160,6 @@ fn check_measurements(
     channels: &[&str],
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    let comparing = |error| RodlabError::step("comparing records", error);
     let all: Vec<&Record> = records.iter().map(|named| &named.record).collect();
     let name = |place: usize| records.get(place).map_or("", |named| named.name.as_str());
     let one = |first: String, second: String| RodlabError::OneMeasurement {
@@ -168,7 +167,7 @@ fn check_measurements(
         second,
         how: "have the same samples",
     };
-    match find_copy(&all, channels).map_err(comparing)? {
+    match find_copy(&all, channels).in_step("comparing records")? {
         Some(Copy::Hits { first, second }) => {
             return Err(one(name(first).to_owned(), name(second).to_owned()));
         }
@@ -180,7 +179,10 @@ fn check_measurements(
     }
     for NamedRecord { name, record } in records {
         for channel in channels {
-            let samples = record.recorded(channel).map_err(comparing)?.to_vec();
+            let samples = record
+                .recorded(channel)
+                .in_step("comparing records")?
+                .to_vec();
             if let Some((value, count)) = repeated_extreme(&samples) {
                 outcome.doubt(format!(
                     "`{channel}` of {name} is clipped: {count} samples are at {}, more than at neighbouring values",
@@ -198,7 +200,7 @@ fn length_of(segments: &SegmentsSheet, rate: f64) -> Result<usize, RodlabError> 
         .length
         .extent()
         .samples(rate)
-        .map_err(|error| RodlabError::step("segments.length", error))?;
+        .in_step("segments.length")?;
     if length < 16 || !length.is_multiple_of(2) {
         return Err(RodlabError::request(
             "segments.length",
@@ -238,7 +240,7 @@ fn welch(sheet: &FrfSheet, segments: &SegmentsSheet, length: usize) -> Result<We
             let window = sheet.window_or_default().window();
             welch.with_window(window).with_detrend(detrend)
         })
-        .map_err(|error| RodlabError::step("segments.overlap", error))
+        .in_step("segments.overlap")
 }
 
 /// Returns the reason why there are too few segments to estimate errors; `None` if there are

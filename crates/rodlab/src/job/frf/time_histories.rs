@@ -7,9 +7,9 @@ use rodfigure::{Figure, Mark, Panel, Role};
 
 use super::estimate;
 use super::sheet::FrfSheet;
-use crate::RodlabError;
 use crate::hits::{FoundHit, FoundHits};
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 /// Maximum number of histories on one panel. If there are more, only the first ones are drawn;
 /// rejected hits have priority.
@@ -89,9 +89,7 @@ fn panel(
         let Some(record) = found.hit.record() else {
             continue;
         };
-        let samples = record
-            .channel(channel)
-            .map_err(|error| RodlabError::step("drawing hits", error))?;
+        let samples = record.channel(channel).in_step("drawing hits")?;
         unit = record
             .channels()
             .iter()
@@ -153,9 +151,7 @@ fn window_of(
 ) -> Result<Option<Mark>, RodlabError> {
     let (n, rate) = (record.n_samples(), record.sampling_rate_hz());
     let window = sheet.window.clone().unwrap_or_default().window();
-    let sampled = window
-        .sample(n)
-        .map_err(|error| RodlabError::step("window", error))?;
+    let sampled = window.sample(n).in_step("window")?;
     let mut weights = sampled.weights;
     let mut multiply = |factors: Vec<f64>| {
         for (weight, factor) in weights.iter_mut().zip(factors) {
@@ -168,12 +164,12 @@ fn window_of(
     }
     if is_input && let Some(force_window) = &sheet.force_window {
         let gate = force_window.window("force_window")?.weights(n, rate);
-        multiply(gate.map_err(|error| RodlabError::step("force_window", error))?);
+        multiply(gate.in_step("force_window")?);
         names.push("force window");
     }
     if let Some(damping) = estimate::added_damping(sheet, record.duration())? {
         let decay = damping.weights(n, rate);
-        multiply(decay.map_err(|error| RodlabError::step("exponential_window", error))?);
+        multiply(decay.in_step("exponential_window")?);
         names.push("exponential window");
     }
     if names.is_empty() {

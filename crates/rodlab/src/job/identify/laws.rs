@@ -12,8 +12,8 @@ use maxwellid::{
 };
 
 use super::{IdentifySheet, words};
-use crate::RodlabError;
 use crate::outcome::{LogEntry, Outcome, Quantity};
+use crate::{InStep, RodlabError};
 
 /// Standing of the parameters of a law.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,7 @@ impl LawFit {
         let fit = self.fit.clone().continuing(found);
         let (identified, profiles) = fit
             .with_profiles(&self.candidate, tests)
-            .map_err(|error| RodlabError::step("profile likelihoods", error))?;
+            .in_step("profile likelihoods")?;
         Ok((FittedLaw::of(self.law, &identified), profiles))
     }
 }

@@ -5,8 +5,8 @@ use labio::instrument::AntiAlias;
 use maxwellid::recorder::RecorderFilter;
 use rodwave::band_limited::Recorder;
 
-use crate::RodlabError;
 use crate::job::simulate::AntiAliasSheet;
+use crate::{InStep, RodlabError};
 
 /// Returns the filter `of` a recorder that samples at `rate_hz` \[Hz\].
 pub(super) fn filter(of: &AntiAliasSheet, rate_hz: f64) -> Result<RecorderFilter, RodlabError> {
@@ -25,9 +25,9 @@ pub(super) fn filter(of: &AntiAliasSheet, rate_hz: f64) -> Result<RecorderFilter
             RecorderFilter::new(of.in_words(), cutoff.si(), move |f| analogue.response(f))
         }
     };
-    made.map_err(|error| RodlabError::step("recorder", error))
+    made.in_step("recorder")
 }
 
 fn checked(filter: Result<AntiAlias, LabioError>) -> Result<AntiAlias, RodlabError> {
-    filter.map_err(|error| RodlabError::step("recorder", error))
+    filter.in_step("recorder")
 }

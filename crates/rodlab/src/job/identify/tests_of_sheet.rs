@@ -17,7 +17,7 @@ use crate::records::{Records, clipped, expect_different_files, expect_quantity};
 use crate::sheet::{
     Exact, Frequency, Length, NotFollowed, Temperature, Time, ValueWithUncertainty, Velocity,
 };
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// One test.
 #[derive(Debug, Clone, Deserialize)]
@@ -136,8 +136,7 @@ pub(super) fn read(
 /// Adds the filter of the recorder to the model of `test`.
 fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, RodlabError> {
     let filter = super::recorder::filter(recorder, test.sampling_rate_hz())?;
-    test.with_recorder(&filter)
-        .map_err(|error| RodlabError::step("recorder", error))
+    test.with_recorder(&filter).in_step("recorder")
 }
 
 /// Number of pairs of equal samples at the beginning of a history that show a noise below the step
@@ -224,9 +223,7 @@ fn one(
     }
     let samples = |channel: &str| -> Result<Vec<f64>, RodlabError> {
         let samples = record.channel(channel);
-        Ok(samples
-            .map_err(|error| RodlabError::step(field, error))?
-            .to_vec())
+        Ok(samples.in_step(field)?.to_vec())
     };
     let specimen = sheet.specimen_of(test, field)?;
     let histories = [samples(&test.excitation)?, samples(&test.response)?];
@@ -247,7 +244,6 @@ fn one(
             None => Provenance::Measured,
         },
     };
-    let refused = |error| RodlabError::step(field, error);
     if sheet.monte_carlo.is_some() && quantity == Quantity::Displacement {
         return Err(RodlabError::request(
             "monte_carlo",
@@ -282,24 +278,24 @@ fn one(
     }
     let rod_test = rod_test
         .with_common_errors(common_errors(&record, test, sheet, field)?)
-        .map_err(refused)?;
+        .in_step(field)?;
     let rod_test = match (&specimen.diameter, &specimen.poisson_ratio) {
         (Some(diameter), Some(ratio)) => {
             let of_rod = diameter.with_uncertainty().value * ratio.with_uncertainty().value;
             rod_test
                 .with_lateral_inertia(of_rod * of_rod / 8.0)
-                .map_err(refused)?
+                .in_step(field)?
         }
         _ => rod_test,
     };
     let rod_test = match &test.temperature {
-        Some(temperature) => rod_test.at_temperature(temperature.si()).map_err(refused)?,
+        Some(temperature) => rod_test.at_temperature(temperature.si()).in_step(field)?,
         None => rod_test,
     };
     match &test.to {
         Some(to) => rod_test
             .with_window(to.si() - record.start_time())
-            .map_err(|error| RodlabError::step(format!("{field}.to"), error)),
+            .in_step(format!("{field}.to")),
         None => Ok(rod_test),
     }
 }
@@ -354,7 +350,6 @@ fn expect_possible(data: &RodTestData, test: &TestSheet, field: &str) -> Result<
 }
 
 fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<RodTest, RodlabError> {
-    let refused = |error| RodlabError::step(field, error);
     expect_possible(&data, test, field)?;
     let is_still = |history: &[f64]| {
         let mut pairs = history.iter().zip(history.iter().skip(1)).take(STILL);
@@ -365,7 +360,7 @@ fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<Rod
     } else {
         is_still(&data.response).then_some(&test.response)
     };
-    let rod_test = RodTest::new(data).map_err(refused)?;
+    let rod_test = RodTest::new(data).in_step(field)?;
     match &test.noise {
         NoiseSheet::BeforeArrival => {
             if let Some(name) = still {
@@ -389,7 +384,7 @@ fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<Rod
             ));
         }
     }
-    .map_err(refused)
+    .in_step(field)
 }
 
 /// Returns the common errors of a test: those of its transducers, those of lateral inertia and, if
@@ -406,9 +401,7 @@ fn common_errors(
         (ErrorOf::ExcitationGain, &test.excitation),
         (ErrorOf::ResponseGain, &test.response),
     ] {
-        let sensor = record
-            .sensor_error(name)
-            .map_err(|error| RodlabError::step(field, error))?;
+        let sensor = record.sensor_error(name).in_step(field)?;
         both = both.combined(sensor);
         errors.push(CommonError {
             of,
@@ -458,8 +451,7 @@ fn of_displacements(
     field: &str,
 ) -> Result<RodTest, RodlabError> {
     let DifferentiatorSheet { half_width, degree } = sheet.differentiator;
-    let differentiator = Differentiator::new(half_width, degree)
-        .map_err(|error| RodlabError::step("differentiator", error))?;
+    let differentiator = Differentiator::new(half_width, degree).in_step("differentiator")?;
     let noise = match &test.noise {
         NoiseSheet::BeforeArrival => None,
         NoiseSheet::Displacements {
@@ -479,7 +471,7 @@ fn of_displacements(
         noise,
         differentiator,
     };
-    RodTest::from_displacements(data, &transducers).map_err(|error| RodlabError::step(field, error))
+    RodTest::from_displacements(data, &transducers).in_step(field)
 }
 
 /// Returns the quantity of both histories.
@@ -529,7 +521,7 @@ fn about_arrival(
     let level = if is_displacement { 0.02 } else { 0.25 };
     let arrival = |channel: &str| -> Result<usize, RodlabError> {
         let samples = record.channel(channel);
-        let samples = samples.map_err(|error| RodlabError::step(field, error))?;
+        let samples = samples.in_step(field)?;
         let largest = samples.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let first = samples.iter().position(|x| x.abs() >= level * largest);
         Ok(first.unwrap_or(0))
@@ -588,5 +580,5 @@ fn part(
     }
     record
         .part(begin..end.max(begin))
-        .map_err(|error| RodlabError::step(format!("{field}.from"), error))
+        .in_step(format!("{field}.from"))
 }

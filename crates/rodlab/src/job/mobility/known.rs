@@ -14,7 +14,7 @@ use crate::bodies::face::ComputedBody;
 use crate::digits::hertz;
 use crate::outcome::{LogEntry, Quantity};
 use crate::responses::{cut, in_words, judged_lines, line_spacing_hz};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Probability that chance alone marks at least one line of a passive body as generating energy.
 const LEVEL: f64 = 0.01;
@@ -91,7 +91,7 @@ pub(super) fn prepare(
     }
     let mobility = response
         .to_kind(ResponseKind::Mobility)
-        .map_err(|error| RodlabError::step("the mobility", error))?;
+        .in_step("the mobility")?;
     for (objection, validity) in objections.iter_mut().zip(&mobility.validity) {
         if *validity != LineValidity::Valid {
             *objection = Some(in_words(*validity).to_owned());
@@ -145,12 +145,11 @@ pub(super) fn prepare(
     reason = "`to_kind` refuses a response whose lists are not of one length; those of the face have the lines of its values"
 )]
 fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResponse, RodlabError> {
-    let refused = |error| RodlabError::step("head_mass", error);
     let mut accelerance = response
         .to_kind(ResponseKind::Accelerance)
-        .map_err(|error| RodlabError::step("head_mass", error))?;
+        .in_step("head_mass")?;
     let spacing_hz = line_spacing_hz(&accelerance)?;
-    let head = ImpedanceHead::new(mass).map_err(refused)?;
+    let head = ImpedanceHead::new(mass).in_step("head_mass")?;
     // lines without information are kept as they are
     let known: Vec<bool> = accelerance
         .validity
@@ -173,7 +172,7 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
     };
     let face = head
         .face_mobility(&values, &variance, spacing_hz)
-        .map_err(refused)?;
+        .in_step("head_mass")?;
     for line in 0..values.len() {
         if line == 0 {
             // the mobility is not defined at 0 Hz, and the accelerance there can only be computed
@@ -242,7 +241,7 @@ fn judge_passivity(
     }
     let report = mobility
         .passivity(LEVEL / mobility.values.len() as f64)
-        .map_err(|error| RodlabError::step("the passivity", error))?;
+        .in_step("the passivity")?;
     for (objection, verdict) in objections.iter_mut().zip(&report.lines) {
         if *verdict == Passivity::Active && objection.is_none() {
             *objection = Some("generates energy".to_owned());

@@ -12,7 +12,7 @@ use crate::digits::{hertz, short};
 use crate::outcome::{Column, Quantity, Table};
 use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_with_signal};
 use crate::sheet::ValueWithUncertainty;
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Minimum number of lines for screening.
 const FEWEST_SCREENED: usize = 64;
@@ -82,7 +82,7 @@ pub(super) fn screen(
             measured_body(mobility, &sheet.support, front, "the mobility")?
                 .with_first_measured(known.first_measured)
                 .with_delay_error(known.delay)
-                .map_err(|error| RodlabError::step("the mobility", error))
+                .in_step("the mobility")
         };
         let body = measured(mobility)?;
         let screening = match with_signal(known, sheet, outcome) {

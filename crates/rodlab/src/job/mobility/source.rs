@@ -15,7 +15,7 @@ use crate::job::JobContext;
 use crate::records::expect_different_files;
 use crate::responses::{HitsSource, MergeSheet, ResponseFile, disagreements, with_silence};
 use crate::sheet::{Exact, Frequency};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Source of the mobility.
 #[derive(Debug, Clone, Deserialize)]
@@ -194,9 +194,8 @@ fn of_tests(
     };
     let names = (source.force.as_str(), source.response.as_str());
     let estimator = source.estimator.unwrap_or_default();
-    let refused = |error| RodlabError::step("source", error);
     let (response, merged) = if let SourceSheet::TwoHammers { merge, .. } = &sheet.source {
-        let merged = merge.merge(&spectra, estimator, names).map_err(refused)?;
+        let merged = merge.merge(&spectra, estimator, names).in_step("source")?;
         for said in disagreements(&merged, "the hammer `high`", names.1) {
             outcome.doubt(said);
         }
@@ -205,7 +204,7 @@ fn of_tests(
         let response = first
             .response(estimator, names.0, names.1)
             .and_then(|response| response.with_common_error(*sensors))
-            .map_err(refused)?;
+            .in_step("source")?;
         (response, None)
     };
     let of_first = merged.as_ref().map(|merged| merged.shares.row(0).to_vec());
@@ -215,7 +214,7 @@ fn of_tests(
         .iter()
         .map(|(test, _)| test.coherence(names.0, names.1))
         .collect::<Result<Vec<_>, _>>()
-        .map_err(refused)?;
+        .in_step("source")?;
     Ok(Some(Raw {
         response,
         coherences,
@@ -260,7 +259,6 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
             "a computed body",
         ));
     };
-    let step = |error| RodlabError::step("source", error);
     if !(8..=1 << 22).contains(lines) {
         return Err(RodlabError::request(
             "source.lines",
@@ -278,16 +276,16 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
     });
     for line in 1..=*lines {
         let value = body.mobility(line as f64 * spacing_hz);
-        values.push(value.map_err(|error| RodlabError::step("source.body", error))?);
+        values.push(value.in_step("source.body")?);
     }
-    let channel = |quantity: Quantity| Channel::new(quantity.name(), quantity).map_err(step);
+    let channel = |quantity: Quantity| Channel::new(quantity.name(), quantity).in_step("source");
     let response = FrequencyResponse::of_lines(
         channel(Quantity::Force)?,
         channel(Quantity::Velocity)?,
         spacing_hz,
         values,
     )
-    .map_err(step)?;
+    .in_step("source")?;
     Ok(Raw {
         response,
         coherences: Vec::new(),

@@ -12,7 +12,7 @@ use crate::digits::{short, significant, with_error};
 use crate::median::upper_median;
 use crate::outcome::{CHECK, Quantity};
 use crate::sheet::{Exact, PerKelvin, Stated, Temperature};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Probability below which a trend is reported.
 const LEVEL: f64 = 0.01;
@@ -95,8 +95,7 @@ pub(super) fn trend(
     let temperatures = temperatures.filter(varies);
     let over_temperature = temperatures.is_some();
     let over: Vec<f64> = temperatures.unwrap_or_else(numbers);
-    let trend = HitTrend::of(deviations, &over)
-        .map_err(|error| RodlabError::step("the trend over the hits", error))?;
+    let trend = HitTrend::of(deviations, &over).in_step("the trend over the hits")?;
     let ends = over
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
@@ -236,7 +235,7 @@ pub(super) fn referred(
     let step = reference.si() - mean;
     let referred = found
         .changed_by(slope * step, (error * step).abs())
-        .map_err(|error| RodlabError::step("temperature.reference", error))?;
+        .in_step("temperature.reference")?;
     outcome.summary.push(format!(
         "The modulus is referred to {reference}, {} K from the mean of the test, with the change {source}: {} % ± {} % of E'.",
         significant(step, 3),

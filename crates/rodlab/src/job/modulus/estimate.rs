@@ -19,7 +19,7 @@ use super::measured::{Measured, Spectra};
 use super::method::rod::{length, limits, rod_with_free_end, section_uncertainty, uncertainty};
 use super::method::{MethodSheet, gauge_method, ratio_method, refused};
 use super::{ModulusSheet, TheorySheet};
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// An estimate, with the results for the errors of the sensors if such errors are stated.
 pub(super) struct Estimated {
@@ -242,9 +242,7 @@ pub(super) fn without_lateral_inertia(
 ) -> Result<Option<CorrectedEstimate>, RodlabError> {
     let theory = lateral_inertia(sheet)?;
     let corrected = theory.map(|theory| theory.correct(apparent));
-    corrected
-        .transpose()
-        .map_err(|error| RodlabError::step("lateral_inertia", error))
+    corrected.transpose().in_step("lateral_inertia")
 }
 
 /// Returns the theory of lateral inertia, if the sheet states one.
@@ -267,5 +265,5 @@ fn lateral_inertia(sheet: &ModulusSheet) -> Result<Option<LateralInertia>, Rodla
         Some(TheorySheet::PochhammerChree) => inertia.with_theory(Theory::PochhammerChree),
     })
     .map(Some)
-    .map_err(|error| RodlabError::step("lateral_inertia", error))
+    .in_step("lateral_inertia")
 }

@@ -4,8 +4,8 @@
 use labio::{LabioError, Record, SectionSpectra, damping_of_ringing};
 
 use super::method::GaugeSheet;
-use crate::RodlabError;
 use crate::job::frf::ExponentialWindowSheet;
+use crate::{InStep, RodlabError};
 
 /// Damping added to hits before their transform.
 pub(super) enum Damping {
@@ -43,7 +43,7 @@ pub(super) fn of_hits(
         }
         Damping::OfRinging { lowest_hz } => damping_of_ringing(hits, &channels, silent, *lowest_hz),
     }
-    .map_err(|error| RodlabError::step("source.hits.exponential_window", error))?;
+    .in_step("source.hits.exponential_window")?;
     SectionSpectra::of_hits(hits, &channels, silent, added_damping).map_err(|error| {
         let of_silence = matches!(error, LabioError::TooFewSamples { .. });
         let step = if of_silence {

@@ -5,8 +5,8 @@ use cmod::estimate::{Budget, BudgetedQuantity, ErrorSource};
 
 use super::Found;
 use super::reasons::Reasons;
-use crate::RodlabError;
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 /// Returns the table of the lines with a modulus, valid or not, with the `reasons` of invalid
 /// lines.
@@ -138,7 +138,7 @@ pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
             .iter()
             .map(|budget| budget.expanded_uncertainty(0.95))
             .collect::<Result<Vec<f64>, _>>()
-            .map_err(|error| RodlabError::step("the budget of uncertainty", error))?;
+            .in_step("the budget of uncertainty")?;
         let scaled = expanded.iter().zip(&scales);
         columns.push(Column::numbers(
             format!("expanded uncertainty (95 %), of {name}"),

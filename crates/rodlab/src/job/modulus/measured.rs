@@ -17,7 +17,6 @@ use serde::Deserialize;
 use super::ModulusSheet;
 use super::gauges::Damping;
 use super::method::FromHits;
-use crate::RodlabError;
 use crate::digits::significant;
 use crate::draw::Draw;
 use crate::hits::HitsSheet;
@@ -27,6 +26,7 @@ use crate::outcome::Setting;
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
 use crate::sheet::{BandSheet, Duration, Exact, Ratio as RatioKind};
+use crate::{InStep, RodlabError};
 use vibration::Modes;
 
 /// Source of the spectra.
@@ -210,8 +210,7 @@ pub(super) fn of(
             spectra.cut(sheet.band.as_ref())?;
         }
         if let Some(draw) = &context.draw {
-            let drawing = |error| RodlabError::step("errors of the spectra", error);
-            spectra.add(draw).map_err(drawing)?;
+            spectra.add(draw).in_step("errors of the spectra")?;
         }
     }
     Ok(measured)

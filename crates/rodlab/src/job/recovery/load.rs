@@ -3,8 +3,8 @@
 use cmod::recovery::{LoadHistory, LoadSegment};
 use serde::Deserialize;
 
-use crate::RodlabError;
 use crate::sheet::{Duration, Frequency, NotFollowed, Stress};
+use crate::{InStep, RodlabError};
 
 /// A part of a load.
 #[derive(Debug, Clone, Deserialize)]
@@ -68,6 +68,5 @@ impl LoadSheet {
 
 /// Returns the load of all parts in sequence; `field` is the place of the load in the sheet.
 pub(super) fn history(parts: &[LoadSheet], field: &str) -> Result<LoadHistory, RodlabError> {
-    LoadHistory::new(parts.iter().map(LoadSheet::segment).collect())
-        .map_err(|error| RodlabError::step(field, error))
+    LoadHistory::new(parts.iter().map(LoadSheet::segment).collect()).in_step(field)
 }

@@ -5,12 +5,12 @@ use labio::{Dimension, Unit};
 use serde::Deserialize;
 
 use super::{ReadingsAre, RecoverySheet, TestSheet, load};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::number_file::NumberFile;
 use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::sheet::{Exact, NotFollowed, Time};
+use crate::{InStep, RodlabError};
 
 /// The readings of a test.
 #[derive(Debug, Clone, Deserialize)]
@@ -88,8 +88,8 @@ pub(super) fn test(
         virgin_standard_error,
     };
     let load = load::history(&test.load, &format!("{field}.load"))?;
-    let test = RecoveryTest::new(test.name.as_str(), load, frequency.si(), readings)
-        .map_err(|error| RodlabError::step(field, error))?;
+    let test =
+        RecoveryTest::new(test.name.as_str(), load, frequency.si(), readings).in_step(field)?;
     Ok(Read {
         test,
         largest: columns.value.iter().copied().fold(0.0, f64::max),

@@ -6,7 +6,7 @@ use super::ShpbSheet;
 use super::tables::{LEVEL, peak};
 use crate::digits::{significant, with_error, with_unit};
 use crate::outcome::{CHECK, Quantity};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Largest relative difference between errors from draws and linear errors that is not reported.
 const NONLINEAR: f64 = 0.2;
@@ -23,12 +23,10 @@ pub(super) fn state(
     let strain_error = at(&result.standard_error(Curve::Strain));
     let band = |curve| {
         let band = result.expanded_uncertainty(curve, LEVEL);
-        band.map_err(|error| RodlabError::step("bands", error))
+        band.in_step("bands")
     };
     let bands = [band(Curve::Stress)?, band(Curve::Strain)?];
-    let (stress, stress_width) = result
-        .largest_stress(LEVEL)
-        .map_err(|error| RodlabError::step("bands", error))?;
+    let (stress, stress_width) = result.largest_stress(LEVEL).in_step("bands")?;
     let stress_error = at(&result.standard_error(Curve::Stress)) * stress_width / at(&bands[0]);
     let loaded = result.loaded.clone();
     let (rate, rate_error) = mean_rate(result);

@@ -8,7 +8,7 @@ use super::figures::around;
 use super::tables::{LEVEL, band_of_mean, peak, scaled};
 use crate::digits::{significant, with_unit};
 use crate::outcome::{Column, Table};
-use crate::{Outcome, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Probability that equal specimens are wrongly reported as different.
 const CHANCE: f64 = 0.01;
@@ -25,9 +25,7 @@ pub(super) fn state(
         }
     }
     let value = |values: &[f64]| values.get(at.0).copied().unwrap_or(f64::NAN);
-    let (_, width) = mean
-        .largest_stress(LEVEL)
-        .map_err(|error| RodlabError::step("bands", error))?;
+    let (_, width) = mean.largest_stress(LEVEL).in_step("bands")?;
     let megapascals = |pascals: f64, digits| significant(1e-6 * pascals, digits);
     outcome.summary.push(format!(
         "The peak of the mean of {} shots is {} (95 % interval) at a strain of {} and a rate of {} 1/s.",
@@ -38,7 +36,7 @@ pub(super) fn state(
     ));
     let differ = mean
         .specimens_differ(CHANCE)
-        .map_err(|error| RodlabError::step("the scatter of the shots", error))?;
+        .in_step("the scatter of the shots")?;
     outcome.summary.push(format!(
         "There the shots scatter by {} MPa (one standard deviation), of which noise and the sizes of the specimens explain {} MPa: {}.",
         megapascals(value(&mean.scatter), 2),

@@ -8,11 +8,11 @@ use impulse::hopkinson::{
 };
 
 use super::sheet::{BarSheet, ShpbSheet, ShpbSpecimenSheet, WavesSheet};
-use crate::RodlabError;
 use crate::bodies::material::Material;
 use crate::bodies::material_sheet::{MaterialSheet, Materials, material_called};
 use crate::bodies::replacement::Replacement;
 use crate::sheet::{Kind, Length, Stated, plausible};
+use crate::{InStep, RodlabError};
 
 fn known<K>(stated: &Stated<K>) -> Known {
     let stated = stated.with_uncertainty();
@@ -165,7 +165,7 @@ fn material(
             )
         }
     }
-    .map_err(|error| RodlabError::step(field, error))
+    .in_step(field)
 }
 
 /// Returns the variations of the materials. Every uncertain quantity of a material moves all bars

@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::tables::{band, band_of_mean, microseconds, scaled};
-use crate::RodlabError;
+use crate::{InStep, RodlabError};
 
 /// Smallest amplification of a wave on its way to a face for which the curve with elastic bars is
 /// also drawn.
@@ -228,8 +228,9 @@ fn fronts(
     let end = n_samples.unwrap_or(0) as f64 / record.rate_hz;
     let mut marks = Vec::new();
     for (at, (bar, sign)) in test.bars.iter().zip([-1.0, 1.0]).enumerate() {
-        let refused = |error| RodlabError::step("figure of the fronts", error);
-        let speed = bar.phase_velocity(0.3 * result.band_hz).map_err(refused)?;
+        let speed = bar
+            .phase_velocity(0.3 * result.band_hz)
+            .in_step("figure of the fronts")?;
         let length = bar.length.value;
         let (of_wave, away) = if at == 0 {
             (incident, reflected)

@@ -2,8 +2,8 @@
 
 use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
 
-use crate::RodlabError;
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 /// Probability of the bands.
 pub(super) const LEVEL: f64 = 0.95;
@@ -34,9 +34,7 @@ pub(super) fn band(
     curve: Curve,
     factor: f64,
 ) -> Result<Vec<f64>, RodlabError> {
-    let band = result
-        .expanded_uncertainty(curve, LEVEL)
-        .map_err(|error| RodlabError::step("bands", error))?;
+    let band = result.expanded_uncertainty(curve, LEVEL).in_step("bands")?;
     Ok(scaled(&band, factor))
 }
 
@@ -182,8 +180,7 @@ fn budget(result: &HopkinsonResult) -> Table {
 
 /// Returns the half width of the 95 % band of the stress.
 pub(super) fn band_of_mean(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
-    mean.expanded_uncertainty(LEVEL)
-        .map_err(|error| RodlabError::step("bands", error))
+    mean.expanded_uncertainty(LEVEL).in_step("bands")
 }
 
 /// Returns the sample of the largest stress.

@@ -9,10 +9,10 @@ use serde::Deserialize;
 use super::Request;
 use super::files::Naming;
 use super::instrument::{History, InstrumentSheet};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::outcome::{Attachment, LogEntry};
 use crate::sheet::{Duration, Exact, Force, Ratio, plausible};
+use crate::{InStep, RodlabError};
 
 /// Inverse of the fraction of a record, at its end, in which the decay is checked.
 const LATE_PART: usize = 16;
@@ -89,13 +89,10 @@ impl BlowsSheet {
     }
 
     pub(super) fn pulse(&self, field: &str) -> Result<Box<dyn Pulse>, RodlabError> {
-        let refused = |error| RodlabError::step(field, error);
         let (peak, duration) = (self.peak.si(), self.duration.si());
         Ok(match self.shape {
-            ShapeSheet::RaisedCosine => {
-                Box::new(RaisedCosine::new(peak, duration).map_err(refused)?)
-            }
-            ShapeSheet::HalfSine => Box::new(HalfSine::new(peak, duration).map_err(refused)?),
+            ShapeSheet::RaisedCosine => Box::new(RaisedCosine::new(peak, duration).in_step(field)?),
+            ShapeSheet::HalfSine => Box::new(HalfSine::new(peak, duration).in_step(field)?),
         })
     }
 
@@ -123,7 +120,7 @@ impl BlowsSheet {
                 sampled.channels().to_vec(),
                 sampled.provenance().clone(),
             )
-            .map_err(|error| RodlabError::step("instrument", error))?;
+            .in_step("instrument")?;
             let taken = instrument.recorded(&struck, &peaks, &mut random)?;
             recorded.take(
                 taken,

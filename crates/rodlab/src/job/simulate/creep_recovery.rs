@@ -13,10 +13,10 @@ use serde::Deserialize;
 
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::outcome::{Column, Table};
 use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
+use crate::{InStep, RodlabError};
 
 const FIELD: &str = "experiment: CreepRecovery";
 /// Method of the simulation. The stress of the dashpot is integrated during the load, and the
@@ -71,7 +71,6 @@ impl CreepRecoverySheet {
         request: &Request<'_>,
         context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         for (field, empty) in [
             ("loads", self.loads.is_empty()),
             ("read_at", self.read_at.len() < 2),
@@ -90,7 +89,7 @@ impl CreepRecoverySheet {
             coefficient: self.coefficient,
             exponent: self.exponent.si(),
         })
-        .map_err(refused)?;
+        .in_step(FIELD)?;
         context.has_read_all(&[], &[])?;
 
         let omega = TAU * self.frequency.si();
@@ -105,8 +104,8 @@ impl CreepRecoverySheet {
                 stress: load.stress.si(),
                 duration: load.duration.si(),
             };
-            let history = LoadHistory::new(vec![segment]).map_err(refused)?;
-            let recovery = model.recovery(&history).map_err(refused)?;
+            let history = LoadHistory::new(vec![segment]).in_step(FIELD)?;
+            let recovery = model.recovery(&history).in_step(FIELD)?;
             let place = format!("recovery time after {} for {}", load.stress, load.duration);
             truth.add(place, recovery.recovery_time(), "s");
             let virgin = self.virgin_loss_factor.si();
@@ -136,10 +135,9 @@ impl CreepRecoverySheet {
 
     /// Returns `exact` with independent, normally distributed errors.
     fn with_errors(&self, exact: &[f64], seed: u64, stream: u64) -> Result<Vec<f64>, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         let name = "loss factor";
         let values = aview1(exact).insert_axis(Row(0)).to_owned();
-        let channel = Channel::new(name, Quantity::Strain).map_err(refused)?;
+        let channel = Channel::new(name, Quantity::Strain).in_step(FIELD)?;
         let record = Record::new(
             values,
             1.0,
@@ -147,15 +145,15 @@ impl CreepRecoverySheet {
             vec![channel],
             Provenance::computed(GENERATOR),
         )
-        .map_err(refused)?;
-        let spectrum = NoiseSpectrum::white(2.0 * self.error.si().powi(2)).map_err(refused)?;
+        .in_step(FIELD)?;
+        let spectrum = NoiseSpectrum::white(2.0 * self.error.si().powi(2)).in_step(FIELD)?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
         let taken = Instrument::new()
             .noise(name, spectrum)
             .record(&record, &mut random)
-            .map_err(refused)?;
-        Ok(taken.record.channel(name).map_err(refused)?.to_vec())
+            .in_step(FIELD)?;
+        Ok(taken.record.channel(name).in_step(FIELD)?.to_vec())
     }
 
     fn table(&self, tests: &[Readings<'_>]) -> Table {

@@ -11,10 +11,10 @@ use super::blows::{BlowsSheet, Recorded};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
-use crate::RodlabError;
 use crate::digits::short;
 use crate::job::JobContext;
 use crate::sheet::{AddedMass, Duration, Exact, Length, Ratio, plausible};
+use crate::{InStep, RodlabError};
 
 const STRUCK: &str = "struck end";
 const FREE: &str = "free end";
@@ -88,7 +88,6 @@ impl EndAccelerationsSheet {
         instrument: &InstrumentSheet,
         context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
         let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
         let mass = self.accelerometer_mass.as_ref().map_or(0.0, Exact::si);
@@ -100,18 +99,18 @@ impl EndAccelerationsSheet {
         }
         let specimen = Specimen {
             section: Circle::of_diameter(self.diameter.si())
-                .map_err(refused)?
+                .in_step(FIELD)?
                 .into(),
             length: self.length.si(),
             accelerometer_mass: mass,
         };
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
-        let test = EndAccelerationTest::analytic(&medium, &specimen).map_err(refused)?;
+        let test = EndAccelerationTest::analytic(&medium, &specimen).in_step(FIELD)?;
         context.has_read_all(&[], &[])?;
 
         context.progress.begins("hits", self.blows.hits);
-        let exact = test.record(pulse.as_ref(), &synthesis).map_err(refused)?;
+        let exact = test.record(pulse.as_ref(), &synthesis).in_step(FIELD)?;
         let history = History {
             generator: exact.generator.to_owned(),
             begins: exact.start,

@@ -3,8 +3,8 @@
 use labio::{AveragedSpectra, Record, Window};
 use rodfigure::{Figure, Mark, Panel, Role};
 
-use crate::RodlabError;
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 /// Returns the number of drawn units per SI unit of a quantity, and the drawn unit.
 fn shown(quantity: labio::Quantity) -> (f64, &'static str) {
@@ -51,11 +51,13 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
     let Some(first) = records.first() else {
         return Ok(None);
     };
-    let refused = |error| RodlabError::step("spectra of the records", error);
-    let spectra = AveragedSpectra::of([first], Window::Rectangular).map_err(refused)?;
+    let spectra =
+        AveragedSpectra::of([first], Window::Rectangular).in_step("spectra of the records")?;
     let mut marks = Vec::new();
     for (index, channel) in first.channels().iter().enumerate() {
-        let auto = spectra.auto(channel.name()).map_err(refused)?;
+        let auto = spectra
+            .auto(channel.name())
+            .in_step("spectra of the records")?;
         let largest = auto.iter().skip(1).fold(0.0_f64, |a, b| a.max(*b));
         let lines = spectra.frequency_hz().iter().zip(&auto).skip(1);
         let points = lines.map(|(f, g)| (1e-3 * f, 10.0 * (g / largest).log10()));

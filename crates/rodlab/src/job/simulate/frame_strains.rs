@@ -10,9 +10,9 @@ use super::blows::{BlowsSheet, Recorded};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::sheet::{AddedMass, Coordinate, Exact, Length, SpecificImpedance, Stiffness};
+use crate::{InStep, RodlabError};
 
 const FIELD: &str = "experiment: StrainsInFrame";
 /// Relative difference below which distances between gauges count as equal.
@@ -79,7 +79,6 @@ impl StrainsInFrameSheet {
         instrument: &InstrumentSheet,
         context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         self.blows
             .check(&format!("{FIELD}.blows"), instrument, self.gauges.len())?;
         if self.gauges.len() < 2 {
@@ -91,18 +90,18 @@ impl StrainsInFrameSheet {
         }
         let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
         let positions: Vec<f64> = self.gauges.iter().map(Exact::si).collect();
-        let section = Circle::of_diameter(self.diameter.si()).map_err(refused)?;
+        let section = Circle::of_diameter(self.diameter.si()).in_step(FIELD)?;
         let right: Termination<LaplaceVariable> = self
             .other_end
             .support()
             .map_or(Termination::Free, EndSupport::analytic_termination);
         let length = self.length.si();
         let mut member =
-            FrameMember::analytic(&medium, section, length, &positions, right).map_err(refused)?;
+            FrameMember::analytic(&medium, section, length, &positions, right).in_step(FIELD)?;
         if let Some(support) = self.struck_end.support() {
             member = member
                 .with_analytic_left_structure(support.analytic_termination())
-                .map_err(refused)?;
+                .in_step(FIELD)?;
         }
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
@@ -111,7 +110,7 @@ impl StrainsInFrameSheet {
         context.progress.begins("hits", self.blows.hits);
         let exact = member
             .record(&Excitation::Force(pulse.as_ref()), &synthesis)
-            .map_err(refused)?;
+            .in_step(FIELD)?;
         let history = History {
             generator: exact.generator.to_owned(),
             begins: exact.start,

@@ -9,11 +9,11 @@ use super::blows::BlowsSheet;
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
-use crate::RodlabError;
 use crate::bodies::face::{BodySheet, ComputedBody};
 use crate::bodies::replacement::{Replacement, WithoutUncertainty};
 use crate::job::JobContext;
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 const FIELD: &str = "experiment: HammerOnBody";
 const HAMMER: &str = "hammer";
@@ -39,7 +39,6 @@ impl HammerOnBodySheet {
         instrument: &InstrumentSheet,
         context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
         let place = format!("{FIELD}.body");
         let mut exact = WithoutUncertainty {
@@ -59,8 +58,8 @@ impl HammerOnBodySheet {
             force.push(transform);
             acceleration.push(s * mobility_at(&body, s, &place)? * transform);
         }
-        let force = synthesis.history(&force).map_err(refused)?;
-        let acceleration = synthesis.history(&acceleration).map_err(refused)?;
+        let force = synthesis.history(&force).in_step(FIELD)?;
+        let acceleration = synthesis.history(&acceleration).in_step(FIELD)?;
         let history = History {
             generator: GENERATOR.to_owned(),
             begins: force.start,
@@ -138,8 +137,7 @@ fn mobility_at(body: &ComputedBody, s: Complex64, place: &str) -> Result<Complex
             "causal laws, because a history is computed",
         ));
     }
-    body.mobility_at(s)
-        .map_err(|error| RodlabError::step(place, error))
+    body.mobility_at(s).in_step(place)
 }
 
 fn true_mobility(body: &ComputedBody, band: f64) -> Result<Table, RodlabError> {
@@ -150,7 +148,7 @@ fn true_mobility(body: &ComputedBody, band: f64) -> Result<Table, RodlabError> {
         .iter()
         .map(|f| body.mobility(*f))
         .collect::<Result<_, _>>()
-        .map_err(|error| RodlabError::step(format!("{FIELD}.body"), error))?;
+        .in_step(format!("{FIELD}.body"))?;
     Ok(Table {
         name: "true-mobility".to_owned(),
         title: "Mobility of the virtual face".to_owned(),

@@ -19,10 +19,10 @@ use super::inelastic_law::{InelasticLawSheet, with_law};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::outcome::{Column, Table};
 use crate::sheet::{Coordinate, Density, Exact, Length, Pressure, Velocity, plausible};
+use crate::{InStep, RodlabError};
 
 const FIELD: &str = "experiment: HopkinsonBars";
 /// Largest product of the numbers of cells and steps; it limits the computing time to some minutes.
@@ -137,16 +137,13 @@ impl VirtualBarSheet {
 
 impl VirtualSpecimenSheet {
     fn segment(&self) -> Result<Segment, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         let (length, area) = (self.length.si(), area(self.diameter.si()));
-        let plain = Segment::new(length, area, self.density.si()).map_err(refused)?;
+        let plain = Segment::new(length, area, self.density.si()).in_step(FIELD)?;
         let modulus = self.modulus.si();
-        let segment = with_law!(self, |law| plain.with_branch(modulus, law)).map_err(refused)?;
+        let segment = with_law!(self, |law| plain.with_branch(modulus, law)).in_step(FIELD)?;
         match &self.hardening {
             None => Ok(segment),
-            Some(hardening) => segment
-                .with_branch(hardening.si(), Elastic)
-                .map_err(refused),
+            Some(hardening) => segment.with_branch(hardening.si(), Elastic).in_step(FIELD),
         }
     }
 }
@@ -165,14 +162,11 @@ impl HopkinsonBarsSheet {
         instrument: &InstrumentSheet,
         context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         let bars = [
             self.incident.bar(request, "incident")?,
             self.transmitted.bar(request, "transmitted")?,
         ];
-        let line = self
-            .line(&bars, self.specimen.segment()?)
-            .map_err(refused)?;
+        let line = self.line(&bars, self.specimen.segment()?).in_step(FIELD)?;
         let step = instrument.fine_step();
         let duration = instrument.duration();
         let transits: f64 = line.segments().map(Segment::transit_time).sum();
@@ -181,7 +175,7 @@ impl HopkinsonBarsSheet {
         context.has_read_all(&[], &[])?;
 
         context.progress.begins("shot", 1);
-        let history = line.run(step, duration, &self.gauges()).map_err(refused)?;
+        let history = line.run(step, duration, &self.gauges()).in_step(FIELD)?;
         let sampled = instrument.sampled(&self.sensed(&history))?;
         let peaks = peaks(&sampled);
         let mut random = ChaCha8Rng::seed_from_u64(request.seed);

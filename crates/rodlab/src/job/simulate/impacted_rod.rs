@@ -18,10 +18,10 @@ use super::inelastic_law::{InelasticLawSheet, with_law};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::outcome::{Column, Table};
 use crate::sheet::{Density, Exact, Length, Pressure, Ratio, Velocity, plausible};
+use crate::{InStep, RodlabError};
 
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
@@ -124,7 +124,7 @@ impl<L: InelasticLaw> Struck<'_, L> {
     fn run(&self, velocity: f64, section_distance: f64) -> Result<ImpactHistory, RodlabError> {
         self.test(velocity, section_distance)
             .run(self.cell, self.duration)
-            .map_err(|error| RodlabError::step(FIELD, error))
+            .in_step(FIELD)
     }
 }
 
@@ -187,14 +187,12 @@ impl ImpactedRodSheet {
         instrument: &InstrumentSheet,
         context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
-        let refused = |error| RodlabError::step(FIELD, error);
         let (length, density) = (self.length.si(), self.density.si());
-        let mut rod =
-            InelasticRod::new(length, density, self.modulus.si(), law).map_err(refused)?;
+        let mut rod = InelasticRod::new(length, density, self.modulus.si(), law).in_step(FIELD)?;
         if let Some(share) = &self.spring {
             rod = rod
                 .with_spring(share.si())
-                .map_err(|error| RodlabError::step(format!("{FIELD}.spring"), error))?;
+                .in_step(format!("{FIELD}.spring"))?;
         }
         let wave_speed = rod.wave_speed();
         plausible::wave_speed(wave_speed, self.unusual, FIELD)?;

@@ -11,10 +11,10 @@ use rodwave::synthesis::DampedSynthesis;
 use serde::Deserialize;
 
 use super::level::{Level, LevelText};
-use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::records::channel_called;
 use crate::sheet::{Duration, Exact, Frequency};
+use crate::{InStep, RodlabError};
 
 /// Ratio of the sampling rate of computed histories to that of the recorder.
 const FINER: usize = 8;
@@ -168,7 +168,7 @@ impl InstrumentSheet {
             // the smoothing is compensated: it is not stated in the sheet, so it must not be
             // visible in the band
             .map(DampedSynthesis::flat)
-            .map_err(|error| RodlabError::step(field, error))
+            .in_step(field)
     }
 
     /// Returns the filter in the form of a sheet in RON.
@@ -250,7 +250,6 @@ impl InstrumentSheet {
         reason = "a row of the record is that of a channel of the history"
     )]
     pub(super) fn sampled(&self, history: &History) -> Result<Record, RodlabError> {
-        let refused = |error| RodlabError::step("instrument", error);
         let before = self.samples(self.before(), "instrument.before")?;
         let all = self.samples_of_record()?;
         let channels = history
@@ -258,14 +257,15 @@ impl InstrumentSheet {
             .iter()
             .map(|channel| Channel::new(&channel.name, channel.quantity))
             .collect::<Result<Vec<_>, _>>()
-            .map_err(refused)?;
+            .in_step("instrument")?;
         let made_at = |recorder: Recorder, before: usize, all: usize| {
             let values = Array2::from_shape_fn((channels.len(), all), |(channel, sample)| {
                 let time = (sample as f64 - before as f64) / recorder.rate_hz - history.begins;
                 recorder.filtered(&history.channels[channel].values, history.step, time)
             });
             let made_by = Provenance::computed(&history.generator);
-            Record::new(values, recorder.rate_hz, 0.0, channels.clone(), made_by).map_err(refused)
+            Record::new(values, recorder.rate_hz, 0.0, channels.clone(), made_by)
+                .in_step("instrument")
         };
         let filter = match &self.anti_alias {
             None | Some(AntiAliasSheet::LinearPhase { .. }) => {
@@ -282,7 +282,7 @@ impl InstrumentSheet {
                 AntiAlias::bessel(*order, cutoff.si())
             }
         };
-        let filter = filter.map_err(|error| RodlabError::step("instrument.anti_alias", error))?;
+        let filter = filter.in_step("instrument.anti_alias")?;
         // the history is first put on the fine grid, without the frequencies that the filter cannot
         // pass
         let fine = Recorder {
@@ -292,12 +292,12 @@ impl InstrumentSheet {
         let front_end = Instrument::new()
             .anti_alias(filter)
             .sample(self.rate_hz(), 0.0)
-            .map_err(refused)?;
+            .in_step("instrument")?;
         let fine = made_at(fine, FINER * before, FINER * all)?;
         // filter and sampler use no random numbers
         let mut random = rand::SeedableRng::seed_from_u64(0);
         let taken = front_end.record::<ChaCha8Rng>(&fine, &mut random);
-        Ok(taken.map_err(refused)?.record)
+        Ok(taken.in_step("instrument")?.record)
     }
 
     /// Returns `sampled` with noise, after the converter. `peaks` are the largest values, to which
@@ -308,7 +308,6 @@ impl InstrumentSheet {
         peaks: &[f64],
         random: &mut ChaCha8Rng,
     ) -> Result<Acquisition, RodlabError> {
-        let refused = |error| RodlabError::step("instrument", error);
         for name in self.noise_of.keys() {
             channel_called(sampled.channels(), name, "instrument.noise_of")?;
         }
@@ -323,7 +322,7 @@ impl InstrumentSheet {
                 let level = noise.level.of(channel, *peak, &noise.text, &field)?;
                 // density of noise that is white up to the Nyquist frequency
                 let density = 2.0 * level * level / self.rate_hz();
-                let spectrum = NoiseSpectrum::white(density).map_err(refused)?;
+                let spectrum = NoiseSpectrum::white(density).in_step("instrument")?;
                 instrument = instrument.noise(channel.name(), spectrum);
             }
             if let Some(converter) = &self.converter {
@@ -336,12 +335,12 @@ impl InstrumentSheet {
                     }
                     None => USUAL_FULL_SCALE.of(channel, *peak, "", field)?,
                 };
-                let converter = Converter::new(converter.bits, range)
-                    .map_err(|error| RodlabError::step("instrument.converter", error))?;
+                let converter =
+                    Converter::new(converter.bits, range).in_step("instrument.converter")?;
                 instrument = instrument.convert_channel(channel.name(), converter);
             }
         }
-        instrument.record(sampled, random).map_err(refused)
+        instrument.record(sampled, random).in_step("instrument")
     }
 
     /// Returns the standard deviation of the noise of `channel` in SI units; `None` without noise.

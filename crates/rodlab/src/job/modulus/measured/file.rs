@@ -4,11 +4,11 @@ use labio::{Dimension, ResponseRatio, Unit};
 use num_complex::Complex64;
 
 use super::{Measured, RatioErrors, RatioSheet, RatioValues, Spectra};
-use crate::RodlabError;
 use crate::job::JobContext;
 use crate::job::modulus::ModulusSheet;
 use crate::number_file::NumberFile;
 use crate::outcome::Setting;
+use crate::{InStep, RodlabError};
 
 pub(super) fn of_file(
     sheet: &ModulusSheet,
@@ -50,7 +50,6 @@ pub(super) fn of_file(
             )
         }
     };
-    let refused = |error| RodlabError::step("source.ratio.errors", error);
     let ratio = match &source.errors {
         RatioErrors::Coherence { column, averages } => {
             let coherence = file
@@ -84,7 +83,7 @@ pub(super) fn of_file(
         }
     };
     Ok(Measured {
-        spectra: Some(Spectra::Ratio(ratio.map_err(refused)?)),
+        spectra: Some(Spectra::Ratio(ratio.in_step("source.ratio.errors")?)),
         missing: String::new(),
         inputs: vec![file.input],
         log: Vec::new(),

@@ -7,12 +7,12 @@ use cmod::free_vibration::Pole;
 use labio::Record;
 
 use super::Measured;
-use crate::RodlabError;
 use crate::digits::significant;
 use crate::job::modulus::ModulusSheet;
 use crate::job::modulus::method::Vibration;
 use crate::job::modulus::method::rod::{length, rod_with_free_end};
 use crate::outcome::{Column, Table};
+use crate::{InStep, RodlabError};
 
 /// The modes of a rod.
 pub(in crate::job::modulus) struct Modes {
@@ -54,16 +54,15 @@ pub(super) fn modes(
     hits: &[&Record],
     measured: &mut Measured,
 ) -> Result<Option<Modes>, RodlabError> {
-    let refused = |error| RodlabError::step("the modes of the free vibration", error);
     let rate_hz = hits.first().map_or(0.0, |hit| hit.sampling_rate_hz());
     let first = labio::hits::Extent::Seconds(from.si())
         .samples(rate_hz)
-        .map_err(|error| RodlabError::step("method.free_vibration.from", error))?;
+        .in_step("method.free_vibration.from")?;
     let mut records: Vec<Vec<f64>> = Vec::with_capacity(hits.len());
     for hit in hits {
         let history = hit
             .channel(channel)
-            .map_err(|error| RodlabError::step("method.free_vibration.channel", error))?;
+            .in_step("method.free_vibration.channel")?;
         let free: Vec<f64> = history.iter().skip(first).copied().collect();
         if free.len() < 64 {
             return Err(RodlabError::request(
@@ -79,9 +78,12 @@ pub(super) fn modes(
     }
     let length = length(sheet)?;
     let rod = rod_with_free_end(sheet);
-    let method = FreeVibration::new(rod, length, wave_speed.si()).map_err(refused)?;
+    let method = FreeVibration::new(rod, length, wave_speed.si())
+        .in_step("the modes of the free vibration")?;
     let records: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
-    let poles = method.poles(&records, rate_hz).map_err(refused)?;
+    let poles = method
+        .poles(&records, rate_hz)
+        .in_step("the modes of the free vibration")?;
     if !poles.missing.is_empty() {
         let missing: Vec<String> = poles
             .missing
