@@ -20,7 +20,7 @@ pub const CHECK: &str = "check: ";
 ///
 /// It does not depend on the time, the machine or the folder: the same sheet and files give the
 /// same outcome, byte for byte.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Outcome {
     /// The job, such as `modulus`.
     pub job: &'static str,
@@ -60,18 +60,18 @@ impl Outcome {
         Self {
             job,
             title: title.into(),
-            verdict: Verdict::Answered,
-            summary: Vec::new(),
-            warnings: Vec::new(),
-            inputs: Vec::new(),
-            settings: Vec::new(),
-            log: Vec::new(),
-            quantities: Vec::new(),
-            tables: Vec::new(),
-            figures: Vec::new(),
-            attachments: Vec::new(),
-            drawn_laws: DrawnLaws::default(),
+            ..Self::default()
         }
+    }
+
+    /// Adds a finding, in sentences.
+    pub(crate) fn say(&mut self, finding: impl Into<String>) {
+        self.summary.push(finding.into());
+    }
+
+    /// Adds a warning, in sentences.
+    pub(crate) fn warn(&mut self, warning: impl Into<String>) {
+        self.warnings.push(warning.into());
     }
 
     /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause
@@ -162,10 +162,11 @@ fn names_of_figures<S: serde::Serializer>(
 
 /// Verdict on a result. A mistake in the sheet or in a file gives no verdict, because there is no
 /// result then.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "Told", try_from = "Told")]
 pub enum Verdict {
     /// The data allow an answer, and every check passes; exit status 0.
+    #[default]
     Answered,
     /// There is an answer, but a check fails; exit status 3.
     InDoubt {

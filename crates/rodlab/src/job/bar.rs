@@ -243,9 +243,7 @@ fn add(
             outcome.quantities.push(waves.misfit());
         }
         Ok(None) => {}
-        Err(error) => outcome
-            .warnings
-            .push(format!("The waves in the bar are not computed: {error}.")),
+        Err(error) => outcome.warn(format!("The waves in the bar are not computed: {error}.")),
     }
     Ok(())
 }

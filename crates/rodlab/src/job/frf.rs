@@ -87,9 +87,7 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
         sets.push(found);
     }
     if let Some(reason) = too_few(sheet, &sets) {
-        outcome
-            .summary
-            .push(format!("No frequency response: {reason}."));
+        outcome.say(format!("No frequency response: {reason}."));
         outcome.refuse(reason);
         return Ok(outcome);
     }
@@ -136,9 +134,7 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
         .attachments
         .push(universal::attachment(&estimated, &sheet.title)?);
     for found in &sets {
-        outcome
-            .summary
-            .push(capital(&format!("{}.", found.in_words())));
+        outcome.say(capital(&format!("{}.", found.in_words())));
     }
     warn(sheet, &spectra, &estimated, &mut outcome);
     for (hits, spectra) in accepted.iter().zip(&spectra) {
@@ -356,13 +352,13 @@ fn report(
         let holds = one.is_more_than_chance(merit.n_coherent, merit.n_lines);
         only_chance &= !holds;
         outcome.quantities.extend(merit.quantities);
-        outcome.summary.push(merit.sentence);
+        outcome.say(merit.sentence);
         if !holds {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "`{output}` has no response: no more of its lines are coherent with `{input}` than noise alone would give."
             ));
         } else if merit.n_valid < merit.n_lines && !one.coherences.is_empty() {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "{} of {} lines of `{output}` in the band are not valid: they have no signal, a coherence that chance alone reaches once in twenty, or hardly more than the noise of their neighbours.",
                 merit.n_lines - merit.n_valid,
                 merit.n_lines
@@ -399,7 +395,7 @@ fn warn_of_windows(
         _ => None,
     };
     if let Some(trend) = trend {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The {trend} of a hit contains part of its motion: removing it biases the response of `{output}`. Remove the level at rest: state `detrend` as `rest` (in RON `Rest`)."
         ));
     }
@@ -429,7 +425,7 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
         }
     }
     if let Some(damping) = spectra.first().and_then(AveragedSpectra::added_damping) {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The exponential window adds a decay rate of {} 1/s: the responses are those on the line s = {0} 1/s + i omega, and the decay rate of every mode is larger by this amount.",
             short(damping.decay_rate())
         ));
@@ -446,7 +442,7 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
             && leakage > random
         {
             let (leakage, random) = (short(100.0 * leakage), short(100.0 * random));
-            outcome.warnings.push(match sheet.segments {
+            outcome.warn(match sheet.segments {
                 None => format!(
                     "`{output}` still moves at the end of the records: the part cut off changes a line by {leakage} % in the median, compared with a random error of {random} %. Record longer, or state an exponential window."
                 ),

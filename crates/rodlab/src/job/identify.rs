@@ -356,7 +356,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     if let Some(stated) = &sheet.cell {
         plausible::at_most(cells, MOST_CELLS, "cells", "cell")?;
         if sheet.fixed_cell().is_none() {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "A cell of {stated} is too long to judge laws and their parameters: cells of {} mm are used, or shorter ones where the accuracy requires them.",
                 1e3 * DEFAULT_CELL
             ));
@@ -449,7 +449,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         if law.is_stated_nonlinear() {
             match fit.on_narrowed_band(&identified, &tests, &recorders) {
                 Ok(band) => bands.push(band),
-                Err(error) => outcome.warnings.push(format!(
+                Err(error) => outcome.warn(format!(
                     "the estimate was not compared with one on a narrower band: {error}"
                 )),
             }

@@ -105,9 +105,7 @@ fn answer(known: &Known, outcome: &mut Outcome) {
             "none of the {n_lines} lines of the mobility is reliable: {}",
             reason.map_or("no line above 0 Hz", String::as_str)
         ));
-        outcome
-            .summary
-            .push("No line of the mobility is reliable.".to_owned());
+        outcome.say("No line of the mobility is reliable.");
         return;
     };
     let frequency = &known.mobility.frequency_hz;
@@ -119,7 +117,7 @@ fn answer(known: &Known, outcome: &mut Outcome) {
         None if known.is_computed => String::new(),
         None => ", with unknown errors".to_owned(),
     };
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "The mobility is known on {n_valid} of {n_lines} lines from {} to {}{error}{}.",
         hertz(frequency[first]),
         hertz(frequency[last]),

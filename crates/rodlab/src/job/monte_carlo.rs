@@ -170,7 +170,7 @@ pub(super) fn judge(
         }
     }
     outcome.tables.extend(table);
-    outcome.summary.push(summary);
+    outcome.say(summary);
     outcome.warnings.extend(warnings);
     Ok(())
 }

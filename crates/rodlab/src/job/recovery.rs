@@ -153,7 +153,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
         tests.push(read.test);
     }
     if largest > MOST_LOSS {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The largest loss factor of the sheet is {}, expected at most {MOST_LOSS} for a material of a rod: loss factors and their errors are pure \
              numbers; if these are in per cent, divide all of them by 100.",
             significant(largest, 3)

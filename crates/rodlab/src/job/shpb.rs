@@ -56,9 +56,7 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
                 | impulse::ImpulseError::TransmittedFirst { .. }),
             ) => {
                 let reason = format!("{}{error}", answer::shot(at, shots.len()));
-                outcome
-                    .summary
-                    .push(format!("There is no stress-strain curve: {reason}."));
+                outcome.say(format!("There is no stress-strain curve: {reason}."));
                 outcome.refuse(reason);
                 return Ok(outcome);
             }

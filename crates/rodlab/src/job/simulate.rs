@@ -364,9 +364,9 @@ fn tell(
     instrument: Option<&InstrumentSheet>,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    outcome.summary.push(format!("{}.", made.in_words));
+    outcome.say(format!("{}.", made.in_words));
     for evaluation in &made.evaluations {
-        outcome.summary.push(format!(
+        outcome.say(format!(
             "The sheet `{}` evaluates the virtual test: `rodlab {} {}` in the folder of this result.",
             evaluation.file, evaluation.job, evaluation.file
         ));
@@ -380,7 +380,7 @@ fn tell(
             n => format!("{n} records"),
         };
         // a generator that is named by the path of a module is left out of the sentence
-        outcome.summary.push(if recorded.generator.contains("::") {
+        outcome.say(if recorded.generator.contains("::") {
             format!("{records}.")
         } else {
             format!("{records}, made by the generator `{}`.", recorded.generator)

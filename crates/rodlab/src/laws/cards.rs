@@ -46,9 +46,7 @@ pub(super) fn attach(
         match MaterialCard::from_fit(&asked.name, density.value, ratio.value, fit, lines.data) {
             Ok(card) => card,
             Err(error @ CmodError::CardUndetermined { .. }) => {
-                outcome
-                    .warnings
-                    .push(format!("No card is written: {error}."));
+                outcome.warn(format!("No card is written: {error}."));
                 return Ok(());
             }
             Err(error) => return Err(refused(error)),
@@ -56,7 +54,7 @@ pub(super) fn attach(
     if let Some(deviation) = card.deviation()
         && deviation.relative > NOTABLE
     {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The cards deviate from the fitted series by up to {} of |E|, at {}: a card has only relaxation times within the band. Choose a band that is wider than the band of the application.",
             percent(deviation.relative),
             hertz(deviation.frequency_hz)
@@ -69,7 +67,7 @@ pub(super) fn attach(
         // the elastic bulk modulus follows from this ratio; with it, the card may not describe a
         // possible solid at frequencies at which the modulus is different
         Err(error @ CmodError::NonPhysical { .. }) if asked.poisson_ratio_at.is_none() => {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "No card is written: {error}. The ratio is assumed to apply at {}; state `poisson_ratio_at` if it applies at another frequency.",
                 hertz(at)
             ));
@@ -100,9 +98,9 @@ pub(super) fn attach(
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let draws = asked.draws.unwrap_or(0);
     if draws > 0 && card.errors().is_empty() {
-        outcome
-            .warnings
-            .push("No cards of draws are written: no change of the series has the effect of a common error.".to_owned());
+        outcome.warn(
+            "No cards of draws are written: no change of the series has the effect of a common error.",
+        );
         return Ok(());
     }
     for draw in 1..=draws {
@@ -112,7 +110,7 @@ pub(super) fn attach(
             moved.with_poisson_ratio_at(at, Some(0.0))
         });
         let Some(moved) = tries.take(MOST_TRIES).find_map(Result::ok) else {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "Only {} cards of draws are written: none of the next {MOST_TRIES} draws is a valid material.",
                 draw - 1
             ));

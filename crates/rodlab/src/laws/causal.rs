@@ -74,9 +74,7 @@ pub(crate) fn state(
     let estimate = match estimate {
         Ok(estimate) => estimate,
         Err(error) => {
-            outcome
-                .warnings
-                .push(format!("There is no causal estimate: {error}."));
+            outcome.warn(format!("There is no causal estimate: {error}."));
             return Ok(());
         }
     };
@@ -89,7 +87,7 @@ pub(crate) fn state(
             Ok(Line::new(line.frequency_hz, line.distance, &found))
         })
         .collect::<Result<_, RodlabError>>()?;
-    outcome.summary.push(in_words(&estimate, &lines, shown));
+    outcome.say(in_words(&estimate, &lines, shown));
     let p_value = estimate.p_value();
     if shown.level.is_some_and(|level| p_value < level) {
         outcome.doubt(format!(
@@ -98,7 +96,7 @@ pub(crate) fn state(
         ));
     }
     if !estimate.is_at_rest() {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The causal estimate had not converged after {} iterations; its errors are not valid.",
             estimate.rounds()
         ));

@@ -47,7 +47,7 @@ pub(crate) fn fit(
     let Some(best) = comparison.best() else {
         return Ok(None);
     };
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "Of {}, the data prefer {}, with chi-square {} and {} degrees of freedom, on {} lines.",
         if laws.len() == 1 {
             "1 law".to_owned()
@@ -63,7 +63,7 @@ pub(crate) fn fit(
     let open = best.parameters.iter().filter(|one| is_open(one)).count();
     if open > 0 {
         let band = lines.data.band_hz().map(hertz);
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The data do not determine {open} of the {} parameters of the preferred law ({}): use it only from {} to {}.",
             best.parameters.len(),
             best.law.law(),
@@ -72,7 +72,7 @@ pub(crate) fn fit(
         ));
     }
     if !best.whiteness.is_white(WHITE) {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The residuals of the preferred law ({}) are not noise: it is not the law of this material over the whole band, and the \
              errors of its parameters are not reliable.",
             best.law.law()
@@ -131,7 +131,7 @@ fn attach_material(outcome: &mut Outcome, lines: &Lines<'_>, best: &RheologicalF
         }),
         Err(error) => {
             let said = format!("The material file is not written: {error}.");
-            outcome.warnings.push(said);
+            outcome.warn(said);
         }
     }
 }

@@ -83,7 +83,7 @@ fn r11_the_page_has_the_word_of_its_standing_and_every_failed_check() {
 #[test]
 fn doubts_that_may_explain_a_missing_answer_are_the_first_warnings() {
     let mut outcome = Outcome::of("modulus", "Rod 7");
-    outcome.warnings.push("No band is stated.".to_owned());
+    outcome.warn("No band is stated.");
     outcome.doubt("hit 6 departs from the others");
     outcome.refuse("no line is valid");
     assert_eq!(

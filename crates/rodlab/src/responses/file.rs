@@ -368,7 +368,7 @@ impl ResponseFile {
                 }
             }
             (None, Some(kind)) => {
-                outcome.warnings.push(format!(
+                outcome.warn(format!(
                     "{} states no known unit: its numbers are treated as {kind} in SI units.",
                     self.file
                 ));

@@ -371,7 +371,7 @@ impl HitsSource {
         if let (Some(leak), Some(random)) = (of_leakage, median(|[_, random]| *random))
             && leak > random
         {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "{field}: the body still moves at the end of the records. The error of the truncation is {} % of a line in the median, compared with a random error of {} %; the stated errors include both. Record longer.",
                 short(100.0 * leak),
                 short(100.0 * random)

@@ -33,7 +33,7 @@ pub(super) fn errors_in_words(outcome: &mut Outcome, shifted: &Shifted) {
                 significant(ratio, 2)
             )
         };
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "No errors of the moduli are stated: all rows are weighted by |E|{unequal}, temperatures are joined where they agree within {} of |E|, and \
              the errors of the results are from the scatter about the fit. State `errors` of the tables if they are known: without them \
              chi-square cannot test a law or the single curve.",
@@ -73,7 +73,7 @@ pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Opti
         .extend(comparison.map(super::tables::parameters));
     let is_judged = found.sweep.is_none();
     if !is_judged && found.error_scale == ErrorScale::Stated && best.p_value() < CHANCE {
-        outcome.warnings.push(sentence(&unexplained(best)));
+        outcome.warn(sentence(&unexplained(best)));
     }
 }
 
@@ -112,9 +112,7 @@ fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
         ),
     );
     if found.sheet.laws.is_none() && !found.sheet.causal {
-        outcome.warnings.push(
-            "Nothing was fitted: there is one temperature, and the sheet has no `laws`.".to_owned(),
-        );
+        outcome.warn("Nothing was fitted: there is one temperature, and the sheet has no `laws`.");
     }
 }
 
@@ -144,7 +142,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) -> Result<(
     if let Some(wanted) = &found.sheet.reference_temperature
         && (wanted.si() - reference).abs() > NEAR_REFERENCE
     {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "No step is at {wanted}: the nearest one, at {}, is the reference.",
             celsius(reference)
         ));
@@ -160,7 +158,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) -> Result<(
                 && kelvin.is_finite()
             {
                 let kelvin = significant(kelvin, 2);
-                outcome.warnings.push(match &found.sheet.temperature_uncertainty {
+                outcome.warn(match &found.sheet.temperature_uncertainty {
                     None => format!(
                         "The shifts differ from WLF by more than the errors of the moduli explain, as they would if the temperatures were wrong by {kelvin} K. If the \
                          measured temperatures can be that wrong, state `temperature_uncertainty`: the stated errors of the shifts, and of the master curve at the reference, do not include errors of temperature."
@@ -283,7 +281,7 @@ pub(super) fn of_factors(
             } else {
                 ("1 is", "T/T_r")
             };
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "Factors of the modulus of 1 and of T/T_r (rubber elasticity) describe the curves almost equally well: BIC differs by {evidence}. {used} \
                  used; with {other} the {name} would change by {} standard errors, and all stated errors allow for this. State `vertical_shifts` if the \
                  factors are known: T/T_r for a rubber far above its glass transition, 1 for a glass. Otherwise a wider range of temperatures or \
@@ -291,7 +289,7 @@ pub(super) fn of_factors(
                 significant(change, 2)
             ));
         }
-        None if choice.is_entropic => outcome.warnings.push(format!(
+        None if choice.is_entropic => outcome.warn(format!(
             "The factors of the modulus are those of rubber elasticity, T/T_r, which describe the curves better than a factor of 1 (BIC lower by {evidence}). \
              State `vertical_shifts` for other factors."
         )),
@@ -329,7 +327,7 @@ fn one_curve(
         }
     }
     if !white {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The residual of the master curve is not noise ({}): the curves at the different temperatures differ in shape, or the instrument \
              has an error that depends on frequency. In both cases the stated errors of shifts and parameters are too small.",
             fit.whiteness
@@ -341,7 +339,7 @@ fn one_curve(
         .filter(|shift| shift.vertical_standard_error > 0.0)
         .count();
     if scaled > 0 {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "Without factors of the modulus the temperatures do not form a single curve: {scaled} factors were estimated in addition to the shifts."
         ));
     }
@@ -374,7 +372,7 @@ fn one_curve(
         .map(|shift| celsius(shift.temperature))
         .collect();
     if !open.is_empty() {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The shifts at {} are not identified: their curves are too flat. They are not used for the laws of the shifts.",
             open.join(", ")
         ));
@@ -491,7 +489,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
     });
     // decrease of log a per kelvin at the reference; it is the same for both laws
     let slope = wlf.slope / LN_10;
-    outcome.summary.push(if is_arrhenius && is_wlf {
+    outcome.say(if is_arrhenius && is_wlf {
         format!(
             "The shifts follow Arrhenius: {}.",
             with_unit(

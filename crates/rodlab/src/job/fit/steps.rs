@@ -181,7 +181,7 @@ pub(super) fn of(
         }
     }
     if let Some(step) = widest {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The temperatures of a step differ by up to {} K, from {} to {} around {}: the mean of a step is used, and the errors \
              do not include the drift.",
             short(step.range.1 - step.range.0),
@@ -282,7 +282,7 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
         step.rows = rows;
     }
     if let Some((copy, original)) = copies.first() {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "{} row(s) agree in every digit with another row of the same frequency and temperature, first {copy} with {original}: they are \
              left out, because storing a measurement twice does not reduce its error.",
             copies.len()
@@ -291,7 +291,7 @@ fn average(steps: &mut [Step], scale: ErrorScale, outcome: &mut Outcome) {
     if averaged == 0 {
         return;
     }
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "{repeated} rows that repeat a frequency at the same temperature were averaged to {averaged}."
     ));
     // each modulus has two parts
@@ -385,7 +385,7 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
     } else {
         "evenly chosen at each temperature"
     };
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "{used} of {all} rows were fitted, {evenly} (`laws.most_lines`)."
     ));
     steps

@@ -76,11 +76,10 @@ pub(super) fn run(
         if found.march.is_none() {
             outcome.tables.push(lines.until_the_faces_part());
             outcome.summary.extend(lines.answer(sheet));
-            outcome.warnings.push(
+            outcome.warn(
                 "No `front_impedance` is stated for a measured body, and its lines do not show its behaviour at higher frequencies: there is no force by marching in time, no \
                  force without a band limit, and nothing after the first contact. The front impedance is the area of the face times the square root of \
-                 modulus times density at high frequency; state it with its ±."
-                    .to_owned(),
+                 modulus times density at high frequency; state it with its ±.",
             );
         }
         outcome
@@ -94,9 +93,8 @@ pub(super) fn run(
         .standard_uncertainty
         .is_none()
     {
-        outcome.warnings.push(
-            "No uncertainty of the velocity is stated: no error of the force includes it, and the relative error of the force is at least that of the velocity."
-                .to_owned(),
+        outcome.warn(
+            "No uncertainty of the velocity is stated: no error of the force includes it, and the relative error of the force is at least that of the velocity.",
         );
     }
     outcome.figures = impact_figures::all(&found, bodies, sheet)?;
@@ -141,9 +139,7 @@ fn flags(march: &UncertainPrediction, bodies: [&FaceBody; 2], outcome: &mut Outc
             PredictionFlag::MakesEnergy { body, inner }
                 if error_of_inner(*body).is_some_and(|error| -inner <= GENERATED * error) =>
             {
-                outcome
-                    .warnings
-                    .push(format!("{flag}, which is within the error of that energy"));
+                outcome.warn(format!("{flag}, which is within the error of that energy"));
             }
             PredictionFlag::MakesEnergy { .. }
             | PredictionFlag::UnresolvedContact { .. }
@@ -151,7 +147,7 @@ fn flags(march: &UncertainPrediction, bodies: [&FaceBody; 2], outcome: &mut Outc
                 outcome.refuse(flag.to_string());
             }
             PredictionFlag::Rings { .. } => outcome.doubt(flag.to_string()),
-            _ => outcome.warnings.push(flag.to_string()),
+            _ => outcome.warn(flag.to_string()),
         }
     }
 }
@@ -173,7 +169,7 @@ fn slenderness(
     ] {
         let shortest = body.shortest_wave(materials, upper_hz, field)?;
         if shortest < SLENDER {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "{field}: at the end of the band, {} kHz, a wave is {} diameters of a rod long: the force neglects lateral inertia, which lowers the wave speed by about one per cent at {SLENDER} diameters and by more for shorter waves; state a `band` that ends lower",
                 impact_march::khz(upper_hz),
                 significant(shortest, 2),
@@ -196,7 +192,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
         sheet.velocity,
     );
     let is_short = |flag: &PredictionFlag| matches!(flag, PredictionFlag::ContactOfFewSteps { .. });
-    outcome.summary.push(match march.first_force {
+    outcome.say(match march.first_force {
         _ if march.prediction.flags.iter().any(is_short) => {
             format!("{limited}. Without a band limit the force depends on the time step.")
         }
@@ -218,7 +214,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
         format!("The last of {counting} contacts")
     };
     let pressing = prediction.flags.contains(&PredictionFlag::StillInContact);
-    outcome.summary.push(if prediction.fades() {
+    outcome.say(if prediction.fades() {
         "The force of the last contact fades without a separation: the faces stay together, and there is no end of the contact.".to_owned()
     } else if pressing {
         format!("{last} with more than a thousandth of the impulse has not ended: the faces are still in contact; increase `problem.duration`.")
@@ -243,7 +239,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
             }
         ),
     };
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "The impulse is {}; {restitution}; work and energy agree to {} of the impulse times the velocity.",
         with_unit(balance.impulse, error(&|e| e.impulse), "N s"),
         match balance.energy_residual.abs() {

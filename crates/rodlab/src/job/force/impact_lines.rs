@@ -105,7 +105,7 @@ pub(super) fn on_lines(
     };
     let stick = problem.solve().in_step("problem.lines")?;
     if let impulse::Settlement::Unsettled { relative_level } = stick.settlement {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The stick force on lines has not died out within its period: {relative_level:.2e} of the peak remains and has wrapped around."
         ));
     }

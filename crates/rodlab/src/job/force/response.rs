@@ -209,7 +209,7 @@ pub(super) fn run(
         }
     };
     if !problem.further.is_empty() {
-        outcome.summary.push(format!(
+        outcome.say(format!(
             "The force explains {} responses at once, weighted by their noise; figures and tables show the first.",
             1 + problem.further.len()
         ));
@@ -302,7 +302,7 @@ fn read_blow(
                 let reasons = entry.reasons.iter().filter(|one| !doubted.contains(one));
                 let reasons: Vec<&str> = reasons.map(String::as_str).collect();
                 if !reasons.is_empty() {
-                    outcome.warnings.push(format!(
+                    outcome.warn(format!(
                         "The impact is used as it is, although it fails checks of hits: {}.",
                         reasons.join("; ")
                     ));
@@ -320,7 +320,7 @@ fn read_blow(
         None => found.n_found(),
     };
     if n_taken > 1 {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "There are {n_taken} impacts in the record: only the force of the first is computed."
         ));
     }

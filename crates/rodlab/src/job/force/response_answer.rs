@@ -174,7 +174,7 @@ pub(super) fn tell(
     let in_band = band.map_or_else(String::new, |band| {
         format!(" between {} and {}", band.from, band.to)
     });
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "The peak force{in_band} is {}{unknown} at {:.4} ms from the start of the record, with {impulse}.",
         with_unit(peak.force, error, "N"),
         1e3 * peak.time,
@@ -188,9 +188,7 @@ pub(super) fn tell(
         ));
     }
     if error.is_some_and(|error| peak.force < 3.0 * error) {
-        outcome.warnings.push(
-            "The peak is below three standard errors: there may be no force at all.".to_owned(),
-        );
+        outcome.warn("The peak is below three standard errors: there may be no force at all.");
     }
     let acting = window(problem);
     let inside = history.force().iter().skip(acting.start);
@@ -258,7 +256,7 @@ fn compared(
             100.0 * level
         )
     });
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "The force differs from the measured force by {by} N while it acts (root mean square){of_band}."
     ));
     let is_large = difference.root_mean_square > CONTRADICTS * solved.history.peak().force.abs();
@@ -271,7 +269,7 @@ fn compared(
 
 fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Outcome) {
     if let ResponseEnd::CutOff { relative_level } = solved.response_end {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The response has not died out when the record ends: {:.1} % of the peak remains, and the part cut off appears as a force throughout the record: {}.",
             100.0 * relative_level,
             problem.sheet.path.remedy_of_ringing()
@@ -297,23 +295,23 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
         ));
     }
     if let Some(parameter) = &solved.parameter {
+        let least = AS_NONE * solved.history.peak().force;
+        let mut biases = solved.regularisation_bias.iter();
         match parameter.verdict {
-            ChoiceVerdict::AtEnd if solved.regularisation_bias.iter().all(|bias| bias.abs() < AS_NONE * solved.history.peak().force) => outcome.warnings.push(
-                "The data require no regularisation, and the chosen one has practically no effect.".to_owned(),
+            ChoiceVerdict::AtEnd if biases.all(|bias| bias.abs() < least) => outcome.warn(
+                "The data require no regularisation, and the chosen one has practically no effect.",
             ),
-            ChoiceVerdict::AtEnd => outcome.warnings.push(
-                "The parameter of the regularisation is at the upper end of its range: the data require the strongest regularisation."
-                    .to_owned(),
+            ChoiceVerdict::AtEnd => outcome.warn(
+                "The parameter of the regularisation is at the upper end of its range: the data require the strongest regularisation.",
             ),
-            ChoiceVerdict::NoCorner => outcome.warnings.push(
-                "No parameter of the regularisation has a finite score: the weakest regularisation was used."
-                    .to_owned(),
+            ChoiceVerdict::NoCorner => outcome.warn(
+                "No parameter of the regularisation has a finite score: the weakest regularisation was used.",
             ),
             _ => {}
         }
     }
     if solved.silent_components > 0 {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "{} components of the force do not appear in the response at all and were left at zero.",
             solved.silent_components
         ));

@@ -36,7 +36,7 @@ pub(super) fn warn_of_end(
     };
     let left = left_at_end(solved.history.force(), problem.sampling_rate_hz, band);
     if let Some(left) = left.filter(|left| *left > LEFT) {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The force still has {} % of its largest spectral amplitude at the end of the band, {}: its part above the band is not in the result, and its peak may be too low by several standard errors. Extend `band`.",
             significant(100.0 * left, 2),
             band.to

@@ -197,7 +197,7 @@ fn noise_at_rest(
     let n = rest.len() as f64;
     let (mean, deviation) = scatter_about_mean(rest);
     if mean.abs() > 4.0 * deviation / n.sqrt() {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The response has an offset of {mean:.3e} {unit} at rest: it is treated as response and makes lines near 0 Hz wrong."
         ));
     }

@@ -425,7 +425,7 @@ pub(super) fn scatter(
 ) -> Result<Option<CalibrationScatter>, RodlabError> {
     let accepted = found.accepted();
     if accepted.len() < FEWEST_HITS {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "{} calibration hits cannot be reconstructed from each other, which requires at least {FEWEST_HITS} hits: the errors do not include differences from hit to hit.",
             accepted.len()
         ));
@@ -482,7 +482,7 @@ pub(super) fn scatter(
             _ => (window.clone(), problem.acting),
         };
         if largest.is_some_and(|(at, _)| !window.contains(&at)) {
-            outcome.warnings.push(format!(
+            outcome.warn(format!(
                 "The peak of calibration hit {} is outside the time in which the force acts: the hits cannot show how good the reconstruction is.",
                 index + 1
             ));

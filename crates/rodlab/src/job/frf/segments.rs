@@ -86,9 +86,7 @@ pub(super) fn run(
     let stated = (silent > 0).then_some(silent);
     let spectra = with_silence(spectra, &whole, stated, &channels, "silent")?;
     if let Some(reason) = too_few(&spectra, inputs.len()) {
-        outcome
-            .summary
-            .push(format!("No frequency response: {reason}."));
+        outcome.say(format!("No frequency response: {reason}."));
         outcome.refuse(reason);
         return Ok(outcome);
     }
@@ -115,7 +113,7 @@ pub(super) fn run(
     outcome
         .attachments
         .push(universal::attachment(&estimated, &sheet.title)?);
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "{} segments of {} samples are averaged, equivalent to {} independent ones.",
         spectra.n_averages(),
         spectra.n_samples(),

@@ -184,10 +184,10 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
     let is_biased = !biased.is_empty() || found.sensitive().next().is_some();
     tell_comparison(found, is_biased, outcome);
     for law in &found.laws {
-        outcome.summary.push(law.in_words());
+        outcome.say(law.in_words());
         if law.standing == Standing::Possible {
             for flag in &law.flags {
-                outcome.warnings.push(format!("{}: {flag}", law.law.name()));
+                outcome.warn(format!("{}: {flag}", law.law.name()));
             }
         }
     }
@@ -195,16 +195,16 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
         |law: &FittedLaw| Some(law.law) == found.profiled && law.standing == Standing::Possible;
     if found.laws.iter().any(is_shown) {
         for profile in &found.profiles {
-            outcome.summary.push(Shown::of(profile).in_words(profile));
+            outcome.say(Shown::of(profile).in_words(profile));
         }
     }
     let asks_nonlinear =
         found.comparison.is_some() || found.laws.iter().any(|law| !law.law.is_linear());
     for check in biased.iter().filter(|_| asks_nonlinear) {
-        outcome.warnings.push(check.to_string());
+        outcome.warn(check.to_string());
     }
     for band in found.sensitive() {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "{band}: the filter of the recorder biases the parameters of nonlinear laws; use a striker with a smoother pulse or a faster recorder"
         ));
     }
@@ -214,10 +214,9 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
         .iter()
         .any(|test| test.unfiltered_excitation().is_some());
     if through_recorder && found.laws.iter().any(is_left) {
-        outcome.warnings.push(
+        outcome.warn(
             "the recorder is part of the model: if a front rises faster than the recorder can follow, E of a nonlinear law may be wrong by another 0.1 %, which its error does not include \
-             (found in virtual tests with a rigid contact)"
-                .to_owned(),
+             (found in virtual tests with a rigid contact)",
         );
     }
     tell_verdict(found, is_biased, outcome);
@@ -229,9 +228,8 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
 )]
 fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let Some(comparison) = &found.comparison else {
-        outcome.warnings.push(
-            "the laws were not compared: a good fit of one of them does not show that it is the law of the material"
-                .to_owned(),
+        outcome.warn(
+            "the laws were not compared: a good fit of one of them does not show that it is the law of the material",
         );
         return;
     };
@@ -242,16 +240,16 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     };
     match &found.left {
         Left::One { law, .. } if found.is_without_damping(*law) => {
-            outcome.summary.push(format!(
+            outcome.say(format!(
                 "The data cannot tell the laws elastic and {} apart: they do not determine the damping of the latter.",
                 name(*law)
             ));
         }
-        Left::One { law, probability } => outcome.summary.push(format!(
+        Left::One { law, probability } => outcome.say(format!(
             "The data support the law {} with a probability of {probability:.3}.",
             name(*law)
         )),
-        Left::Several { laws, reason } => outcome.summary.push(format!(
+        Left::Several { laws, reason } => outcome.say(format!(
             "The data cannot tell the laws {} apart: {reason}.",
             names(laws)
         )),
@@ -267,12 +265,12 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             } else {
                 ", and nonlinear laws with an equilibrium"
             };
-            outcome.summary.push(format!(
+            outcome.say(format!(
                 "The data cannot tell the laws {}{others} apart: the recorder biases nonlinear laws, so none of them can be named or excluded.",
                 names(laws)
             ));
         }
-        Left::None { best, adequacy } => outcome.summary.push(format!(
+        Left::None { best, adequacy } => outcome.say(format!(
             "None of the laws explains the data. The smallest misfit is that of {}; if this law were true, a misfit as large would have a probability of {}.",
             name(*best),
             probability(*adequacy),
@@ -282,7 +280,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     for index in found.left.places() {
         let law = &comparison.laws[*index];
         if !law.limits.is_empty() {
-            outcome.summary.push(format!(
+            outcome.say(format!(
                 "The data do not exclude this limit: {}.",
                 law.with_limit()
             ));
@@ -293,13 +291,12 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         && let Left::One { law, .. } = &found.left
         && comparison.laws[*law].is_linear
     {
-        outcome.summary.push(
-            "The bias of this recorder is part of the comparison of the nonlinear laws; only a test at another impact velocity can exclude them."
-                .to_owned(),
+        outcome.say(
+            "The bias of this recorder is part of the comparison of the nonlinear laws; only a test at another impact velocity can exclude them.",
         );
     }
     for advice in &comparison.advice {
-        outcome.warnings.push(advice.to_string());
+        outcome.warn(advice.to_string());
     }
 }
 
@@ -395,7 +392,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         if found.laws.iter().any(is_nonlinear) {
             outcome.doubt(transducers.in_words());
         } else {
-            outcome.warnings.push(transducers.in_words());
+            outcome.warn(transducers.in_words());
         }
     }
     // residuals of the remaining laws; `None` if one of these laws explains the records
@@ -416,7 +413,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         && !found.temperatures_are_stated
         && found.laws.iter().any(is_nonlinear)
     {
-        outcome.warnings.push(UNSTATED_TEMPERATURES.to_owned());
+        outcome.warn(UNSTATED_TEMPERATURES);
     }
     // disagreements of the tests; `None` if the tests agree on one of the remaining laws
     let disagreements: Option<Vec<&FitFlag>> = found
@@ -433,6 +430,6 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     }
     if is_biased && is_left(false) {
         let why = found.why_biased();
-        outcome.warnings.push(format!("Nonlinear laws are not identified: {why}. Use a striker with a smoother pulse or a faster recorder."));
+        outcome.warn(format!("Nonlinear laws are not identified: {why}. Use a striker with a smoother pulse or a faster recorder."));
     }
 }

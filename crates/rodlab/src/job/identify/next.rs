@@ -156,9 +156,8 @@ pub(super) fn tell(
 ) -> Result<(), RodlabError> {
     let laws = left(found);
     let Some(leading) = laws.first() else {
-        outcome.warnings.push(
-            "no law remains, so no test can be planned: `next` needs a law that explains the data"
-                .to_owned(),
+        outcome.warn(
+            "no law remains, so no test can be planned: `next` needs a law that explains the data",
         );
         return Ok(());
     };
@@ -185,7 +184,7 @@ pub(super) fn tell(
             match names.iter().position(|own| own == name) {
                 Some(place) => Aim::Sharpen(place),
                 None => {
-                    outcome.warnings.push(format!(
+                    outcome.warn(format!(
                         "no test was planned: `next.sharpen` is `{name}`, expected a parameter of the law {}: {}",
                         candidate.name(),
                         names.join(", ")
@@ -216,7 +215,7 @@ pub(super) fn tell(
         Ok(present) => present,
         Err(error) => {
             let said = format!("no test can be planned: {error}");
-            outcome.warnings.push(said);
+            outcome.warn(said);
             return Ok(());
         }
     };
@@ -241,7 +240,7 @@ pub(super) fn tell(
             Ok(told) => planned.push(told),
             Err(error) => {
                 let said = format!("the test of {name} was not planned: {error}");
-                outcome.warnings.push(said);
+                outcome.warn(said);
             }
         }
     }
@@ -264,7 +263,7 @@ pub(super) fn tell(
                 ("next.toml", toml.map_err(RodlabError::Sheet)?)
             }
         };
-        outcome.summary.push(format!(
+        outcome.say(format!(
             "`rodlab simulate {name}` in the folder of this result runs it as a virtual test."
         ));
         outcome.attachments.push(Attachment {
@@ -389,7 +388,7 @@ fn state(
         format!("the standard errors are then: {}", errors.join("; "))
     };
     let decides = best.number_that_decides(aim) < usize::MAX;
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "Of the {} planned tests, the test `{}` {}: {told}.",
         planned.len(),
         best.name,

@@ -27,7 +27,7 @@ pub(super) fn tell(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome) 
     .filter_map(|(name, is_unstated)| is_unstated.then_some(name))
     .collect();
     if !missing.is_empty() {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "no uncertainty is stated for the {} of the specimen: the errors do not include it; a relative error of the length enters E doubled, a relative error of the density unchanged",
             missing.join(" and the ")
         ));
@@ -35,10 +35,9 @@ pub(super) fn tell(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome) 
     let of_transducers = |error: &CommonError| error.of.is_of_transducer();
     let mut errors = found.tests.iter().flat_map(RodTest::common_errors);
     if !errors.any(of_transducers) {
-        outcome.warnings.push(
+        outcome.warn(
             "no uncertainty is stated for gain and delay of the transducers: neither the errors nor the choice of a law include it; a response \
-             that reads a few per cent too low looks like relaxation"
-                .to_owned(),
+             that reads a few per cent too low looks like relaxation",
         );
     }
     let modulus = found.laws.iter().find_map(|law| law.estimates.first());
@@ -48,7 +47,7 @@ pub(super) fn tell(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome) 
             Some(_) => "Length and density of the specimen contribute",
             None => "The density, with one error for all rods, contributes",
         };
-        outcome.summary.push(format!(
+        outcome.say(format!(
             "{source} {:.2} % to the standard error of E, and to those of the other parameters as far as they \
              depend on E; this contribution is the same for all tests, and more tests do not reduce it.",
             100.0 * modulus.specimen_error
@@ -103,7 +102,7 @@ fn tell_lateral_inertia(
             }
             _ => continue,
         };
-        outcome.warnings.push(warning);
+        outcome.warn(warning);
         return;
     }
 }

@@ -181,13 +181,13 @@ fn check_temperatures(sheet: &IdentifySheet, outcome: &mut Outcome) -> Result<()
     if let Some(arrhenius) = &sheet.arrhenius
         && !(range.0 - span..=range.1 + span).contains(&arrhenius.reference.si())
     {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "the reference temperature, {}, is further from the temperatures of the tests than these from each other: the parameters there are extrapolated",
             arrhenius.reference
         ));
     }
     if sheet.arrhenius.is_none() && span > SAME_TEMPERATURE {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "the temperatures of the tests differ by {span:.0} K, and one set of parameters is fitted to all: state `arrhenius` where the rates depend on the temperature"
         ));
     }

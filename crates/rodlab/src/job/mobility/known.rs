@@ -100,7 +100,7 @@ pub(super) fn prepare(
     judge_passivity(&mobility, &mut objections)?;
     log(&mobility, &objections, outcome);
     if let Some(window) = mobility.added_damping {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "With the exponential window, the lines are values of the mobility at a distance of {:.4} 1/s from the frequency axis: they are not screened, and no force can be computed from them.",
             window.decay_rate()
         ));

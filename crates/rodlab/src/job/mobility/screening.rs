@@ -57,7 +57,7 @@ pub(super) fn screen(
     }
     let holes = mobility.invalid_lines().filter(|line| *line > 0).count();
     if holes > 0 {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "{holes} lines above 0 Hz carry no information: the mobility is not screened, and has no impulse response."
         ));
         return Ok(Screened::default());
@@ -67,9 +67,8 @@ pub(super) fn screen(
     } else {
         let missing = mobility.validity.first() != Some(&LineValidity::Valid);
         if missing && matches!(sheet.support, SupportSheet::AsMeasured) {
-            outcome.warnings.push(
-                "The support of the body is not stated (`support`), and no line at 0 Hz indicates it: the mobility is not screened, and has no impulse response."
-                    .to_owned(),
+            outcome.warn(
+                "The support of the body is not stated (`support`), and no line at 0 Hz indicates it: the mobility is not screened, and has no impulse response.",
             );
             return Ok(Screened::default());
         }
@@ -151,9 +150,7 @@ fn impulse_response(
         Err(error) => {
             let why = std::error::Error::source(&error)
                 .map_or_else(String::new, |source| format!(": {source}"));
-            outcome
-                .warnings
-                .push(format!("There is no impulse response: {error}{why}."));
+            outcome.warn(format!("There is no impulse response: {error}{why}."));
             return None;
         }
     };
@@ -285,7 +282,7 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
                 microseconds(late)
             ),
         };
-        outcome.summary.push(format!(
+        outcome.say(format!(
             "The screening found no objection: the body does not generate energy, its motion begins and ends as it should, and {delays}."
         ));
     }

@@ -168,9 +168,7 @@ fn of_tests(
                     test.found.n_found(),
                     test.field,
                 ));
-            outcome
-                .summary
-                .push("There is no mobility: too few hits are accepted.".to_owned());
+            outcome.say("There is no mobility: too few hits are accepted.");
             return Ok(None);
         }
         let source = test.source;

@@ -32,9 +32,8 @@ const NEVER_DOUBTED: f64 = 1e-4;
 pub(super) fn state_none(outcome: &mut Outcome, sheet: &ModulusSheet, measured: &Measured) {
     let of_gauges = measured.of_gauges();
     if measured.of_ratio().is_uncertain() || of_gauges.iter().any(|of| of.is_uncertain()) {
-        outcome.warnings.push(
-            "The lines do not determine the errors of the sensors: the stated uncertainties are included in the errors. Calibrate the sensors against each other."
-                .to_owned(),
+        outcome.warn(
+            "The lines do not determine the errors of the sensors: the stated uncertainties are included in the errors. Calibrate the sensors against each other.",
         );
     } else if matches!(
         measured.spectra,
@@ -47,7 +46,7 @@ pub(super) fn state_none(outcome: &mut Outcome, sheet: &ModulusSheet, measured: 
             }
             SourceSheet::Ratio(_) => "",
         };
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "No uncertainty of the sensors is stated: the errors include neither deviations of their sensitivities nor delays between the channels.{advice}"
         ));
     }
@@ -67,7 +66,7 @@ pub(super) fn state(
     );
     let is_doubted = ratio > DOUBTED && ratio * noise(found.estimate()) > NEVER_DOUBTED;
     if found.mean_square() > UNEXPLAINED && !is_doubted {
-        outcome.warnings.push(sentence(&format!(
+        outcome.warn(sentence(&format!(
             "{unexplained}: the lines determine the errors of the sensors less accurately by this factor"
         )));
     }
@@ -115,7 +114,7 @@ pub(super) fn state(
                 "according to the lines, the {name} is {numbers}: more than its stated uncertainty explains{advice}"
             ));
         } else if source.standard_error < 0.5 {
-            outcome.summary.push(format!(
+            outcome.say(format!(
                 "The lines determine the {name}: {numbers}; the modulus is corrected for it."
             ));
         }

@@ -38,7 +38,7 @@ pub(super) fn state(
     });
     let left = left.fold(0.0, f64::max);
     if is_found && left > 0.0 {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "The causal estimate neglects lateral inertia: its E' is too small by at most {}, which its errors do not include.",
             percent(left)
         ));

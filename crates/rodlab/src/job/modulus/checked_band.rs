@@ -79,7 +79,7 @@ pub(super) fn lines(
                 "; state a band, or `checks.alias_free_to` if the filter of the recorder suppresses aliases further up",
             )
         };
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "{the_checks} use the lines from {ends}, where {}. {beyond} valid lines are outside and are not checked{remedy}.",
             because.join(" and ")
         ));

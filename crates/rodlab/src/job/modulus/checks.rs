@@ -114,7 +114,7 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
         );
         say(outcome, found, Check::KramersKronig, made);
         if (1..FEWEST_CHECKED).contains(&found.estimate.valid().count()) {
-            outcome.warnings.push(UNCHECKED_LOSS.to_owned());
+            outcome.warn(UNCHECKED_LOSS);
         }
     }
     if checks.has(CheckSheet::FreeEndNull) {

@@ -146,7 +146,7 @@ pub(super) fn state(
         });
         if is_trend {
             let said = format!("E' changes by {of_slope} per kelvin over the hits.");
-            outcome.summary.push(said);
+            outcome.say(said);
         }
         return Ok(());
     }
@@ -172,7 +172,7 @@ pub(super) fn state(
     });
     match upper_median(errors) {
         Some(median) if whole.abs() > median => outcome.doubt(said),
-        _ => outcome.warnings.push(format!("{said}.")),
+        _ => outcome.warn(format!("{said}.")),
     }
     Ok(())
 }
@@ -236,7 +236,7 @@ pub(super) fn referred(
     let referred = found
         .changed_by(slope * step, (error * step).abs())
         .in_step("temperature.reference")?;
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "The modulus is referred to {reference}, {} K from the mean of the test, with the change {source}: {} % ± {} % of E'.",
         significant(step, 3),
         significant(100.0 * slope * step, 3),

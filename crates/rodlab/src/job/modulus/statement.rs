@@ -73,7 +73,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             1 => "The other line is".to_owned(),
             others => format!("The other {others} lines are"),
         };
-        outcome.summary.push(format!(
+        outcome.say(format!(
             "{others} not valid; a line can have several reasons: {}.",
             reasons.commonest(3)
         ));
@@ -153,9 +153,7 @@ fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Rea
     ));
     outcome.summary.extend(reasons.advice_in_words());
     if found.sheet.laws.is_some() {
-        outcome
-            .warnings
-            .push("No law is fitted, because the loss factor is known on no line.".to_owned());
+        outcome.warn("No law is fitted, because the loss factor is known on no line.");
     }
     warn(outcome, found, &known);
     true
@@ -367,9 +365,8 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         .standard_uncertainty
         .is_none()
     {
-        outcome.warnings.push(
-            "The density is stated without an uncertainty: its relative error is in every modulus, but the errors do not include it."
-                .to_owned(),
+        outcome.warn(
+            "The density is stated without an uncertainty: its relative error is in every modulus, but the errors do not include it.",
         );
     }
     if let (MethodSheet::TwoPoint { .. }, None, Some(mass)) = (
@@ -384,13 +381,13 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         } else {
             "is only a fraction of the true value".to_owned()
         };
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "No `accelerometer_mass` is stated, and none is taken into account: with a sensor of 1 g on the free end E' {effect}. \
              State \"0 g\" if there is none."
         ));
     }
     if let Some(length) = found.sheet.method.length_without_uncertainty(specimen) {
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "{length} is stated without an uncertainty: the errors do not include it. A length or distance that is wrong by 1 % makes E' wrong by 2 %."
         ));
     }
@@ -412,14 +409,14 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         if let Some(ratio) = ratio.filter(|ratio| ratio.with_uncertainty().value > 0.0)
             && let Some((f, most)) = valid.last().and_then(|line| relative(line))
         {
-            outcome.summary.push(format!(
+            outcome.say(format!(
                 "E' was corrected for lateral inertia, which raises it by {} at {}.",
                 percent(most),
                 hertz(f)
             ));
             if ratio.with_uncertainty().standard_uncertainty.is_none() {
                 // the correction is proportional to the square of Poisson's ratio
-                outcome.warnings.push(format!(
+                outcome.warn(format!(
                     "Poisson's ratio is stated without an uncertainty: if it is wrong by 0.01, E' is wrong by {} at {}, which the errors do not include.",
                     percent(most * 0.02 / ratio.with_uncertainty().value),
                     hertz(f)
@@ -428,7 +425,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         }
     } else if let Some(line) = valid.last() {
         let bound = line.lateral_inertia_bound().storage_modulus / line.modulus.re.abs();
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "E' was not corrected for lateral inertia, because no Poisson's ratio is stated. For any ratio up to 0.5, E' is too small by at most {} at {}; \
              this bound is stated in addition to the errors and is included when lines are judged valid. State Poisson's ratio in `lateral_inertia` to correct for it.",
             percent(bound),
@@ -447,7 +444,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
         } else {
             format!("{larger} of {} valid lines", valid.len())
         };
-        outcome.warnings.push(format!(
+        outcome.warn(format!(
             "On {lines} the common error of E' is larger than the random one: it shifts all lines alike, and more \
              hits do not reduce it."
         ));

@@ -26,9 +26,7 @@ pub(super) fn without_fit(
     error: &CmodError,
 ) {
     outcome.refuse(format!("no model can be fitted: {error}"));
-    outcome
-        .summary
-        .push(format!("No model can be fitted: {error}."));
+    outcome.say(format!("No model can be fitted: {error}."));
     of_single_tests(outcome, tests, singles, has_stated_errors(sheet));
 }
 
@@ -64,14 +62,14 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
                     quantity.verdict.clone_from(&objection);
                 }
             }
-            outcome.summary.push(format!(
+            outcome.say(format!(
                 "The tests do not determine the model: the {reason}."
             ));
             outcome.refuse(reason);
         }
-        None => outcome.summary.push(answer(found)),
+        None => outcome.say(answer(found)),
     }
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "{} readings of {} tests at {}: chi-square {} with {} degrees of freedom.",
         found.tests.iter().map(|t| t.time().len()).sum::<usize>(),
         found.tests.len(),
@@ -273,10 +271,9 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>) {
     for objection in objections(found) {
         outcome.doubt(objection);
     }
-    outcome.warnings.push(
+    outcome.warn(
         "The model describes the loss factor at the frequency of the tests and nothing else: its spring moduli are not moduli of the \
-         material under creep."
-            .to_owned(),
+         material under creep.",
     );
 }
 

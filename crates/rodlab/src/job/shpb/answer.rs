@@ -49,12 +49,12 @@ pub(super) fn state(
         }
         None => format!("The peak stress is {at_peak}"),
     };
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "{headline} (95 % intervals) and a mean rate of {} 1/s.",
         significant(rate, 3),
     ));
     let time_us = |time: f64| 1e6 * (time - result.start_time);
-    outcome.summary.push(match result.equilibrium.from {
+    outcome.say(match result.equilibrium.from {
         Some(from) => format!(
             "From {} us after the arrival of the wave at the specimen, the forces of the two faces differ by no more than 5 % plus their error; the specimen is loaded for {} us.",
             significant(time_us(from), 3),
@@ -62,9 +62,7 @@ pub(super) fn state(
         ),
         None => "No time was found from which the forces of the two faces differ by no more than 5 % plus their error.".to_owned(),
     });
-    outcome
-        .summary
-        .push(dominating(result, quoted.unwrap_or(peak)));
+    outcome.say(dominating(result, quoted.unwrap_or(peak)));
     if !balanced {
         let index = at(&result.equilibrium.index).abs();
         let error = at(&result.equilibrium.standard_error);
@@ -77,11 +75,11 @@ pub(super) fn state(
         } else {
             "cannot be compared".to_owned()
         };
-        outcome.summary.push(format!(
+        outcome.say(format!(
             "The stress has its peak, {at_peak}, where the forces of the two faces {differ}: the specimen is not known to be in equilibrium there."
         ));
     }
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "All results are stated in the band up to {} kHz; there, a wave that is traced back to the specimen is amplified by a factor of up to {}.",
         significant(1e-3 * result.band_hz, 3),
         significant(result.amplification, 3),
@@ -209,7 +207,7 @@ pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &s
             return;
         }
         if finding.is_remark() {
-            outcome.warnings.push(format!("{words}."));
+            outcome.warn(format!("{words}."));
         } else {
             outcome.doubt(words);
         }

@@ -27,7 +27,7 @@ pub(super) fn state(
     let value = |values: &[f64]| values.get(at.0).copied().unwrap_or(f64::NAN);
     let (_, width) = mean.largest_stress(LEVEL).in_step("bands")?;
     let megapascals = |pascals: f64, digits| significant(1e-6 * pascals, digits);
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "The peak of the mean of {} shots is {} (95 % interval) at a strain of {} and a rate of {} 1/s.",
         mean.n_shots,
         with_unit(at.1, Some(width), "Pa"),
@@ -37,7 +37,7 @@ pub(super) fn state(
     let differ = mean
         .specimens_differ(CHANCE)
         .in_step("the scatter of the shots")?;
-    outcome.summary.push(format!(
+    outcome.say(format!(
         "There the shots scatter by {} MPa (one standard deviation), of which noise and the sizes of the specimens explain {} MPa: {}.",
         megapascals(value(&mean.scatter), 2),
         megapascals(value(&mean.explained), 2),
