@@ -1,8 +1,10 @@
 //! Results of a job, with everything that a report, a table or another program needs.
 
 mod column_name;
+mod columns;
 mod published;
 
+pub(crate) use columns::Rows;
 pub use published::{PublishedCells, PublishedColumn};
 
 use labio::ContentHash;
@@ -381,21 +383,6 @@ pub struct Table {
     pub title: String,
     /// Columns, each with its unit.
     pub columns: Vec<Column>,
-}
-
-impl Table {
-    /// Returns a table of `columns`.
-    pub(crate) fn of(
-        name: impl Into<String>,
-        title: impl Into<String>,
-        columns: Vec<Column>,
-    ) -> Self {
-        Self {
-            name: name.into(),
-            title: title.into(),
-            columns,
-        }
-    }
 }
 
 /// A column of a [`Table`].

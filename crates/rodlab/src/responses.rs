@@ -14,7 +14,7 @@ pub use file::ResponseFile;
 pub(crate) use file::{AVERAGES, COMMON_ERROR, FREEDOM, STANDARD_ERROR};
 pub(crate) use hits::with_silence;
 pub use hits::{ForceWindowSheet, HitsSource, MergeSheet, disagreements};
-pub(crate) use lines::{JudgedLine, error_columns, judged_lines};
+pub(crate) use lines::{JudgedLine, judged_lines, with_errors};
 pub(crate) use signal::stretch_with_signal;
 pub use support::{CompletionSheet, SupportSheet, measured_body};
 

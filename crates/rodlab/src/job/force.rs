@@ -3,6 +3,7 @@
 
 mod bodies;
 mod draws;
+mod histories;
 mod impact;
 mod impact_figures;
 mod impact_lines;

@@ -26,7 +26,7 @@ use super::simulate::AntiAliasSheet;
 use super::{About, JobContext};
 use crate::digits::significant;
 use crate::draw::Draw;
-use crate::outcome::{Column, LogEntry, Setting, Table};
+use crate::outcome::{LogEntry, Rows, Setting, Table};
 use crate::sheet::{Density, Exact, Length, PoissonRatio, Stated, Temperature, plausible};
 use crate::{InStep, Outcome, RodlabError};
 use answer::Left;
@@ -602,26 +602,20 @@ fn defaults() -> Vec<Setting> {
 }
 
 fn table_of(comparison: &Comparison) -> Table {
-    let laws = &comparison.laws;
-    let numbers = |name: &str, of: &dyn Fn(&ComparedLaw) -> f64| {
-        Column::numbers(name, "", laws.iter().map(of).collect())
-    };
-    Table {
-        name: "laws".to_owned(),
-        title: "Laws compared".to_owned(),
-        columns: vec![
-            Column::words("law", laws.iter().map(|law| law.name.clone()).collect()),
-            Column::words(
-                "kind",
-                laws.iter()
-                    .map(|law| if law.is_linear { "linear" } else { "nonlinear" }.to_owned())
-                    .collect(),
-            ),
-            numbers("probability", &|law| law.probability),
-            numbers("chi-square", &|law| law.chi_square),
-            numbers("independent samples", &|_| comparison.effective_samples),
-            numbers("adequacy", &|law| law.adequacy.unwrap_or(f64::NAN)),
-            numbers("parameters that the data determine", &|law| law.determined),
-        ],
-    }
+    Rows::of(&comparison.laws, "laws", "Laws compared")
+        .word("law", |law| &law.name)
+        .word(
+            "kind",
+            |law| {
+                if law.is_linear { "linear" } else { "nonlinear" }
+            },
+        )
+        .number("probability", "", |law| law.probability)
+        .number("chi-square", "", |law| law.chi_square)
+        .number("independent samples", "", |_| comparison.effective_samples)
+        .number("adequacy", "", |law| law.adequacy.unwrap_or(f64::NAN))
+        .number("parameters that the data determine", "", |law| {
+            law.determined
+        })
+        .table
 }

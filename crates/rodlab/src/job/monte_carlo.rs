@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{Job, JobContext, Sheet, Silent};
 use crate::digits::{short, significant};
 use crate::draw::Draw;
-use crate::outcome::{CHECK, Cells, Column, Quantity, Table};
+use crate::outcome::{CHECK, Cells, Column, Quantity, Rows, Table};
 use crate::sheet::{self, plausible};
 use crate::{Outcome, RodlabError};
 
@@ -343,36 +343,21 @@ impl<'a> Judged<'a> {
         if rows.is_empty() {
             return None;
         }
-        let words = |of: &dyn Fn(&Number<'_>) -> String| {
-            rows.iter().map(|(number, _)| of(number)).collect()
-        };
-        let numbers = |name: &str, of: &dyn Fn(&Number<'_>, &Scatter) -> f64| {
-            let cells = rows.iter().map(|(number, scatter)| of(number, scatter));
-            Column::numbers(name, "", cells.collect())
-        };
-        Some(Table {
-            name: "monte_carlo".to_owned(),
-            title: "Standard errors by Monte Carlo".to_owned(),
-            columns: vec![
-                Column::words("quantity", words(&|number| number.name.to_owned())),
-                Column::words("unit", words(&|number| number.unit.to_owned())),
-                numbers("value", &|number, _| number.value),
-                numbers("standard error", &|number, _| number.standard_error),
-                numbers("Monte Carlo standard error", &|_, scatter| {
-                    scatter.deviation()
-                }),
-                numbers("Monte Carlo mean", &|_, scatter| scatter.mean),
-                numbers("draws", &|_, scatter| f64::from(scatter.draws)),
-                Column::validity(
-                    rows.iter()
-                        .map(|(number, scatter)| !scatter.differs(number))
-                        .collect(),
-                    rows.iter()
-                        .map(|(number, scatter)| standing(number, scatter))
-                        .collect(),
-                ),
-            ],
-        })
+        let rows = Rows::of(&rows, "monte_carlo", "Standard errors by Monte Carlo")
+            .word("quantity", |(number, _)| number.name)
+            .word("unit", |(number, _)| number.unit)
+            .number("value", "", |(number, _)| number.value)
+            .number("standard error", "", |(number, _)| number.standard_error)
+            .number("Monte Carlo standard error", "", |(_, scatter)| {
+                scatter.deviation()
+            })
+            .number("Monte Carlo mean", "", |(_, scatter)| scatter.mean)
+            .number("draws", "", |(_, scatter)| f64::from(scatter.draws))
+            .validity(
+                |(number, scatter)| !scatter.differs(number),
+                |(number, scatter)| standing(number, scatter),
+            );
+        Some(rows.table)
     }
 
     /// Returns the new columns for the tables of `base`: the index of the table, the place in the

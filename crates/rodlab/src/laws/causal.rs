@@ -1,6 +1,5 @@
 //! Table, figure and sentences of the causal estimate of all lines.
 
-use cmod::CmodError;
 use cmod::causal::CausalEstimate;
 use cmod::rheology::PredictedModulus;
 use num_complex::Complex64;
@@ -8,7 +7,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::lines::Drawn;
 use crate::digits::{hertz, percent, significant};
-use crate::outcome::{Column, Table};
+use crate::outcome::{Rows, Table};
 use crate::{InStep, Outcome, RodlabError};
 
 /// Half width of a band, in standard errors.
@@ -160,42 +159,31 @@ fn in_words(estimate: &CausalEstimate, lines: &[Line], shown: &Shown<'_>) -> Str
 }
 
 fn table(lines: &[Line], shown: &Shown<'_>) -> Table {
-    let numbers = |name: &str, unit: &str, value: &dyn Fn(&Line) -> f64| {
-        Column::numbers(name, unit, lines.iter().map(value).collect())
-    };
     let (unit, pascal) = shown.pascal;
     let (storage, loss) = (format!("{}'", shown.symbol), format!("{}''", shown.symbol));
-    Table {
-        name: "causal".to_owned(),
-        title: "Causal modulus of all lines together".to_owned(),
-        columns: vec![
-            numbers(shown.frequency, "Hz", &|l| l.frequency_hz),
-            numbers(&storage, unit, &|l| l.modulus.re / pascal),
-            numbers(&format!("standard error of {storage}"), unit, &|l| {
-                l.all[0].sqrt() / pascal
-            }),
-            numbers(&loss, unit, &|l| l.modulus.im / pascal),
-            numbers(&format!("standard error of {loss}"), unit, &|l| {
-                l.all[1].sqrt() / pascal
-            }),
-            numbers(
-                &format!("covariance of {storage} and {loss}"),
-                &format!("{unit}^2"),
-                &|l| l.all[2] / pascal.powi(2),
-            ),
-            numbers("loss factor", "", &Line::loss_factor),
-            numbers("standard error of the loss factor", "", &|l| {
-                l.error_of_loss_factor(l.all)
-            }),
-            numbers(&format!("random error of {storage}"), unit, &|l| {
-                l.random[0].sqrt() / pascal
-            }),
-            numbers("random error of the loss factor", "", &|l| {
-                l.error_of_loss_factor(l.random)
-            }),
-            numbers("distance of the line", "standard errors", &|l| l.distance),
-        ],
-    }
+    let error_of = |symbol: &str| format!("standard error of {symbol}");
+    let covariance = format!("covariance of {storage} and {loss}");
+    Rows::of(lines, "causal", "Causal modulus of all lines together")
+        .number(shown.frequency, "Hz", |l| l.frequency_hz)
+        .number(&storage, unit, |l| l.modulus.re / pascal)
+        .number(error_of(&storage), unit, |l| l.all[0].sqrt() / pascal)
+        .number(&loss, unit, |l| l.modulus.im / pascal)
+        .number(error_of(&loss), unit, |l| l.all[1].sqrt() / pascal)
+        .number(covariance, format!("{unit}^2"), |l| {
+            l.all[2] / pascal.powi(2)
+        })
+        .number("loss factor", "", Line::loss_factor)
+        .number(error_of("the loss factor"), "", |l| {
+            l.error_of_loss_factor(l.all)
+        })
+        .number(format!("random error of {storage}"), unit, |l| {
+            l.random[0].sqrt() / pascal
+        })
+        .number("random error of the loss factor", "", |l| {
+            l.error_of_loss_factor(l.random)
+        })
+        .number("distance of the line", "standard errors", |l| l.distance)
+        .table
 }
 
 /// Figure of the causal modulus with its band, and of the lines.

@@ -9,7 +9,7 @@ use super::{LawsSheet, WHITE, cards};
 use crate::context::JobContext;
 use crate::digits::{hertz, prefix_for, significant};
 use crate::material_file::{self, MaterialFile};
-use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
+use crate::outcome::{Attachment, LogEntry, Quantity, Rows, Table, Verdict};
 use crate::{InStep, Outcome, RodlabError};
 
 /// Fits the laws of a sheet and adds them to `outcome`. Returns the comparison if at least one law
@@ -217,40 +217,24 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
 }
 
 fn table(comparison: &Comparison) -> Table {
-    let rows = &comparison.rows;
-    let numbers = |name: &str, of: &dyn Fn(&RheologicalFit) -> f64| {
-        Column::numbers(name, "", rows.iter().map(|row| of(&row.fit)).collect())
-    };
-    Table {
-        name: "laws".to_owned(),
-        title: "Laws, the preferred one first".to_owned(),
-        columns: vec![
-            Column::words(
-                "law",
-                rows.iter()
-                    .map(|row| match row.same_as {
-                        Some(same) => format!("{} (the same as {same})", row.fit.law.law()),
-                        None => row.fit.law.law().to_string(),
-                    })
-                    .collect(),
-            ),
-            numbers("parameters", &|fit| fit.parameters.len() as f64),
-            numbers("chi-square", &|fit| fit.chi_squared),
-            numbers("degrees of freedom", &|fit| fit.degrees_of_freedom as f64),
-            numbers("BIC", &|fit| fit.bic),
-            numbers("AICc", &|fit| fit.aicc),
-            Column::numbers("weight", "", rows.iter().map(|row| row.weight).collect()),
-            Column::words(
-                "residuals",
-                rows.iter()
-                    .map(|row| {
-                        let white = row.fit.whiteness.is_white(WHITE);
-                        if white { "noise" } else { "not noise" }.to_owned()
-                    })
-                    .collect(),
-            ),
-        ],
-    }
+    Rows::of(&comparison.rows, "laws", "Laws, the preferred one first")
+        .word("law", |row| match row.same_as {
+            Some(same) => format!("{} (the same as {same})", row.fit.law.law()),
+            None => row.fit.law.law().to_string(),
+        })
+        .number("parameters", "", |row| row.fit.parameters.len() as f64)
+        .number("chi-square", "", |row| row.fit.chi_squared)
+        .number("degrees of freedom", "", |row| {
+            row.fit.degrees_of_freedom as f64
+        })
+        .number("BIC", "", |row| row.fit.bic)
+        .number("AICc", "", |row| row.fit.aicc)
+        .number("weight", "", |row| row.weight)
+        .word("residuals", |row| {
+            let white = row.fit.whiteness.is_white(WHITE);
+            if white { "noise" } else { "not noise" }
+        })
+        .table
 }
 
 /// Figures of the laws over frequency and over time, as far as there are such lines.

@@ -125,16 +125,11 @@ mod tests {
     #[test]
     fn a_table_for_programs_has_plain_units_and_answers() {
         let verdicts = vec!["valid".to_owned(), "too short waves".to_owned()];
-        let table = Table {
-            name: "modulus".to_owned(),
-            title: String::new(),
-            columns: vec![
-                Column::numbers("E'", "GPa", vec![2.5, f64::NAN]),
-                Column::numbers("end A", "m", vec![1.0, 2.0]),
-                Column::numbers("end-a", "m", vec![3.0, 4.0]),
-                Column::validity(vec![true, false], verdicts),
-            ],
-        };
+        let table = Table::new("modulus", "")
+            .numbers("E'", "GPa", [2.5, f64::NAN])
+            .numbers("end A", "m", [1.0, 2.0])
+            .numbers("end-a", "m", [3.0, 4.0])
+            .with(Column::validity(vec![true, false], verdicts));
         let columns = table.published();
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         assert_eq!(

@@ -1,7 +1,7 @@
 use rodfigure::{Panel, Role, svg_of};
 
 use super::*;
-use crate::outcome::{Cells, Column, Quantity, Setting, Table};
+use crate::outcome::{Cells, Column, Quantity, Rows, Setting, Table};
 
 /// Returns a panel with one line; the labels of its axes contain markup.
 fn line(role: Role, name: &str) -> Panel {
@@ -106,34 +106,25 @@ fn a_sentence_has_its_names_as_code_and_its_units_as_figures_have_them() {
 
 /// Returns a table of 1000 lines, of which the lines above 50 kHz are not valid.
 fn long_table() -> Table {
-    let numbers = |name: &str, unit: &str, of: fn(f64) -> f64| {
-        Column::numbers(name, unit, (0..1000).map(|i| of(f64::from(i))).collect())
-    };
-    let valid: Vec<bool> = (0..1000).map(|i| i <= 400).collect();
-    let words = valid.iter().map(|valid| {
-        if *valid {
-            "valid"
-        } else {
-            "E' may be off by 3.1 %"
-        }
+    let rows: Vec<f64> = (0..1000).map(f64::from).collect();
+    let valid: Vec<bool> = rows.iter().map(|i| *i <= 400.0).collect();
+    let words = valid.iter().map(|valid| match valid {
+        true => "valid".to_owned(),
+        false => "E' may be off by 3.1 %".to_owned(),
     });
     let kinds = valid.iter().map(|valid| match valid {
         true => Vec::new(),
         false => vec!["error of E' above its limit"],
     });
-    let validity = Column::validity(valid.clone(), words.map(str::to_owned).collect());
-    Table {
-        name: "modulus".into(),
-        title: "Modulus".into(),
-        columns: vec![
-            numbers("frequency", "Hz", |i| 125.0 * i),
-            numbers("E'", "GPa", |i| 2.0 + 1e-4 * i),
-            numbers("standard error of E'", "GPa", |i| 0.01 + 1e-6 * i),
-            numbers("covariance of E' and E''", "GPa^2", |i| i),
-            numbers("common error of E'", "GPa", |_| 0.0),
-            validity.with_kinds(kinds.collect()),
-        ],
-    }
+    let validity = Column::validity(valid.clone(), words.collect());
+    Rows::of(&rows, "modulus", "Modulus")
+        .number("frequency", "Hz", |i| 125.0 * i)
+        .number("E'", "GPa", |i| 2.0 + 1e-4 * i)
+        .number("standard error of E'", "GPa", |i| 0.01 + 1e-6 * i)
+        .number("covariance of E' and E''", "GPa^2", |i| *i)
+        .number("common error of E'", "GPa", |_| 0.0)
+        .table
+        .with(validity.with_kinds(kinds.collect()))
 }
 
 #[test]

@@ -4,7 +4,7 @@ use labio::{Coherence, FrequencyResponse, MergedResponse};
 
 use super::MOST_FREEDOM;
 use crate::median::upper_median;
-use crate::outcome::Column;
+use crate::outcome::Table;
 use crate::{InStep, RodlabError};
 
 /// Findings about a line.
@@ -66,39 +66,33 @@ pub(crate) fn judged_lines(
     Ok((0..response.validity.len()).map(of_line).collect())
 }
 
-/// Returns the columns of the degrees of freedom, the biases and the common error of `lines`, as
-/// far as they are known.
-pub(crate) fn error_columns(
+/// The table with the degrees of freedom, the biases and the common error of `lines`, as far as they
+/// are known.
+pub(crate) fn with_errors(
+    mut table: Table,
     response: &FrequencyResponse,
     lines: impl Iterator<Item = usize> + Clone,
-) -> Vec<Column> {
+) -> Table {
     let of = |list: &[f64], value: fn(&f64) -> f64| -> Vec<f64> {
         let values = lines.clone().filter_map(|line| list.get(line));
         values.map(value).collect()
     };
-    let mut columns = Vec::new();
     if let Some(freedom) = &response.degrees_of_freedom {
         let freedom = of(freedom, |freedom| freedom.clamp(0.0, MOST_FREEDOM));
-        columns.push(Column::numbers(
-            "degrees of freedom of the errors",
-            "",
-            freedom,
-        ));
+        table = table.numbers("degrees of freedom of the errors", "", freedom);
     }
+    let by_noise = "possible bias of the magnitude by noise";
     for (name, list) in [
         (
             "bias of the magnitude by noise at rest",
             &response.noise_bias,
         ),
-        (
-            "possible bias of the magnitude by noise",
-            &response.possible_bias,
-        ),
+        (by_noise, &response.possible_bias),
         ("error that lines share", &response.common_error),
     ] {
         if let Some(list) = list {
-            columns.push(Column::numbers(name, "%", of(list, |value| 100.0 * value)));
+            table = table.numbers(name, "%", of(list, |value| 100.0 * value));
         }
     }
-    columns
+    table
 }

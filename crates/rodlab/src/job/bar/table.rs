@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::BarSheet;
 use crate::digits::{hertz, with_unit};
 use crate::job::modulus::Found;
-use crate::outcome::{Column, Table};
+use crate::outcome::{Rows, Table};
 use crate::{InStep, RodlabError};
 
 /// Probability of the bands.
@@ -68,46 +68,31 @@ pub(super) fn lines(found: &Found<'_>, sheet: &BarSheet) -> Vec<Line> {
 }
 
 pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
-    let half: Vec<[f64; 3]> = lines
-        .iter()
-        .map(Line::half_widths)
-        .collect::<Result<_, _>>()?;
-    let numbers = |name: &str, unit: &str, value: &dyn Fn(&Line) -> f64| {
-        Column::numbers(name, unit, lines.iter().map(value).collect())
-    };
-    let widths = |name: &str, unit: &str, pick: fn(&[f64; 3]) -> f64| {
-        let name = format!("95 % half width of the {name}");
-        Column::numbers(name, unit, half.iter().map(pick).collect())
-    };
-    let words = |line: &Line| if line.is_valid { "valid" } else { "not valid" };
-    Ok(Table {
-        name: "propagation".to_owned(),
-        title: "Propagation coefficient of the bar".to_owned(),
-        columns: vec![
-            numbers("frequency", "Hz", &|l| l.frequency_hz),
-            numbers("damping coefficient", "1/m", &|l| l.gamma.re),
-            widths("damping coefficient", "1/m", |[damping, _, _]| *damping),
-            numbers("wave number", "rad/m", &|l| l.gamma.im),
-            widths("wave number", "rad/m", |[_, number, _]| *number),
-            numbers("variance of the damping coefficient", "1/m^2", &|l| {
-                l.covariance.real
-            }),
-            numbers("variance of the wave number", "1/m^2", &|l| {
-                l.covariance.imaginary
-            }),
-            numbers(
-                "covariance of damping coefficient and wave number",
-                "1/m^2",
-                &|l| l.covariance.mixed,
-            ),
-            numbers("phase velocity", "m/s", &Line::phase_velocity),
-            widths("phase velocity", "m/s", |[_, _, speed]| *speed),
-            Column::validity(
-                lines.iter().map(|line| line.is_valid).collect(),
-                lines.iter().map(|line| words(line).to_owned()).collect(),
-            ),
-        ],
-    })
+    let widths = lines.iter().map(Line::half_widths);
+    let rows = lines.iter().zip(widths.collect::<Result<Vec<_>, _>>()?);
+    let rows: Vec<(&Line, [f64; 3])> = rows.collect();
+    let half = |name: &str| format!("95 % half width of the {name}");
+    let mixed = "covariance of damping coefficient and wave number";
+    let rows = Rows::of(&rows, "propagation", "Propagation coefficient of the bar")
+        .number("frequency", "Hz", |(l, _)| l.frequency_hz)
+        .number("damping coefficient", "1/m", |(l, _)| l.gamma.re)
+        .number(half("damping coefficient"), "1/m", |(_, [of, ..])| *of)
+        .number("wave number", "rad/m", |(l, _)| l.gamma.im)
+        .number(half("wave number"), "rad/m", |(_, [_, of, _])| *of)
+        .number("variance of the damping coefficient", "1/m^2", |(l, _)| {
+            l.covariance.real
+        })
+        .number("variance of the wave number", "1/m^2", |(l, _)| {
+            l.covariance.imaginary
+        })
+        .number(mixed, "1/m^2", |(l, _)| l.covariance.mixed)
+        .number("phase velocity", "m/s", |(l, _)| l.phase_velocity())
+        .number(half("phase velocity"), "m/s", |(_, [.., of])| *of)
+        .validity(
+            |(l, _)| l.is_valid,
+            |(l, _)| if l.is_valid { "valid" } else { "not valid" }.to_owned(),
+        );
+    Ok(rows.table)
 }
 
 /// Returns a sentence about the line in the middle of the valid lines.

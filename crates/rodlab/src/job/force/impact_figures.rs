@@ -1,9 +1,10 @@
 //! Figures of an impact: the force with its contacts, the motion of the faces, and the mobilities.
 
-use impulse::{ForceHistory, ImpactSource, UncertainPrediction};
+use impulse::{ImpactSource, UncertainPrediction};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::bodies::FaceBody;
+use super::histories::milliseconds;
 use super::impact_lines::OnLines;
 use super::impact_sheet::ImpactSheet;
 use super::impact_tables;
@@ -28,12 +29,6 @@ pub(super) fn all(
     let until = 1e3 * sheet.duration.si();
     figures.extend(found.on_lines.as_ref().map(|lines| stick(lines, until)));
     Ok(figures)
-}
-
-fn milliseconds(history: &ForceHistory) -> Vec<f64> {
-    (0..history.force().len())
-        .map(|step| 1e3 * history.time_at(step))
-        .collect()
 }
 
 /// Times at which the faces are apart.

@@ -10,13 +10,14 @@ use rand_chacha::ChaCha8Rng;
 
 use super::bodies::FaceBody;
 use super::draws::Draws;
+use super::histories::{times, with_band};
 use super::impact_march::khz;
 use super::impact_sheet::{ContactSheet, ImpactSheet};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
 use crate::digits::with_unit;
 use crate::job::JobContext;
-use crate::outcome::{Column, Quantity, Table};
+use crate::outcome::{Quantity, Table};
 use crate::sheet::Exact;
 use crate::{InStep, Outcome, RodlabError};
 
@@ -308,26 +309,19 @@ impl OnLines {
     /// Returns the table of the force until the faces part.
     pub(super) fn until_the_faces_part(&self) -> Table {
         let history = &self.impact.history;
-        let time = (0..history.force().len()).map(|n| history.time_at(n));
-        let mut columns = vec![
-            Column::numbers("time", "s", time.collect()),
-            Column::numbers("force on lines", "N", history.force().to_vec()),
-        ];
-        if let Some(bands) = &self.bands {
-            let errors = bands.error.standard_error().to_vec();
-            columns.push(Column::numbers(
-                "standard error of the stick force",
-                "N",
-                errors,
-            ));
-        }
-        Table {
-            name: "force".to_owned(),
-            title: format!(
-                "Force on lines up to {} kHz until the faces part",
-                khz(self.highest_hz)
-            ),
-            columns,
+        let title = format!(
+            "Force on lines up to {} kHz until the faces part",
+            khz(self.highest_hz)
+        );
+        let table = Table::new("force", title)
+            .numbers("time", "s", times(history))
+            .numbers("force on lines", "N", history.force());
+        match &self.bands {
+            Some(bands) => {
+                let errors = bands.error.standard_error();
+                table.numbers("standard error of the stick force", "N", errors)
+            }
+            None => table,
         }
     }
 
@@ -446,31 +440,17 @@ impl OnLines {
 
     pub(super) fn table(&self) -> Table {
         let history = &self.stick.history;
-        let time = (0..history.force().len())
-            .map(|n| history.time_at(n))
-            .collect();
-        let mut columns = vec![
-            Column::numbers("time", "s", time),
-            Column::numbers("stick force", "N", history.force().to_vec()),
-        ];
+        let mut table = Table::new("stick_force", "Stick force on lines")
+            .numbers("time", "s", times(history))
+            .numbers("stick force", "N", history.force());
         if let Some(bands) = &self.bands {
-            let limits = |name: &str, band: &ForceBand| {
-                [
-                    Column::numbers(format!("{name}, lower"), "N", band.lower.clone()),
-                    Column::numbers(format!("{name}, upper"), "N", band.upper.clone()),
-                ]
-            };
-            let errors = bands.error.standard_error().to_vec();
-            columns.push(Column::numbers("standard error", "N", errors));
-            columns.extend(limits("pointwise band", &bands.pointwise));
-            columns.extend(limits("band of the whole contact", &bands.simultaneous));
-            columns.push(Column::numbers(
-                "force until the faces part",
-                "N",
-                self.impact.history.force().to_vec(),
-            ));
-            columns.extend(limits("band by draws", &bands.contact));
+            let parting = self.impact.history.force();
+            table = table.numbers("standard error", "N", bands.error.standard_error());
+            table = with_band(table, "pointwise band", &bands.pointwise);
+            table = with_band(table, "band of the whole contact", &bands.simultaneous);
+            table = table.numbers("force until the faces part", "N", parting);
+            table = with_band(table, "band by draws", &bands.contact);
         }
-        Table::of("stick_force", "Stick force on lines", columns)
+        table
     }
 }

@@ -4,9 +4,10 @@ use impulse::{
     FirstForce, ForceBand, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction,
 };
 
+use super::histories::{times, with_band};
 use super::impact_lines::OnLines;
 use super::impact_march::{in_words, khz};
-use crate::outcome::{Column, Quantity, Table};
+use crate::outcome::{Quantity, Rows, Table};
 use crate::{InStep, Outcome, RodlabError};
 
 /// The computed results.
@@ -152,95 +153,49 @@ pub(super) fn whole_history(march: &UncertainPrediction) -> Result<Option<ForceB
 /// Returns the table of the force in the band.
 pub(super) fn limited(march: &UncertainPrediction) -> Result<Table, RodlabError> {
     let history = &march.limited;
-    let time = (0..history.force().len()).map(|n| history.time_at(n));
-    let mut columns = vec![
-        Column::numbers("time", "s", time.collect()),
-        Column::numbers("force in the band", "N", history.force().to_vec()),
-    ];
+    let title = format!("Force in the band up to {} kHz", khz(march.band.upper_hz()));
+    let mut table = Table::new("force_in_band", title)
+        .numbers("time", "s", times(history))
+        .numbers("force in the band", "N", history.force());
     if let Some(errors) = march.limited_errors() {
-        columns.push(Column::numbers("standard error of the force", "N", errors));
+        table = table.numbers("standard error of the force", "N", errors);
     }
     if let Some(band) = whole_history(march)? {
-        let name = "95 % band, whole history";
-        for (end, values) in [("lower", band.lower), ("upper", band.upper)] {
-            columns.push(Column::numbers(format!("{name}, {end}"), "N", values));
-        }
+        table = with_band(table, "95 % band, whole history", &band);
     }
-    columns.push(Column::numbers(
-        "numerical error of the force",
-        "N",
-        march.numerical.clone(),
-    ));
-    Ok(Table {
-        name: "force_in_band".to_owned(),
-        title: format!("Force in the band up to {} kHz", khz(march.band.upper_hz())),
-        columns,
-    })
+    Ok(table.numbers("numerical error of the force", "N", &march.numerical))
 }
 
 /// Returns the table of the march itself, without a band limit.
 pub(super) fn history(march: &UncertainPrediction) -> Table {
     let prediction = &march.prediction;
     let history = &prediction.history;
-    let steps = history.force().len();
-    let in_contact = (0..steps)
-        .map(|step| {
-            let time = history.time_at(step);
-            let touches = prediction
-                .contacts
-                .iter()
-                .any(|contact| contact.begin <= time && contact.end.is_none_or(|end| time <= end));
-            if touches { "contact" } else { "apart" }.to_owned()
-        })
-        .collect();
-    let mut columns = vec![
-        Column::numbers(
-            "time",
-            "s",
-            (0..steps).map(|n| history.time_at(n)).collect(),
-        ),
-        Column::numbers("force", "N", history.force().to_vec()),
-    ];
+    let in_contact = times(history).map(|time| {
+        let mut contacts = prediction.contacts.iter();
+        let touches = contacts
+            .any(|contact| contact.begin <= time && contact.end.is_none_or(|end| time <= end));
+        if touches { "contact" } else { "apart" }
+    });
+    let title = "Unfiltered force of the march, faces and state of the contact";
+    let mut table = Table::new("force", title)
+        .numbers("time", "s", times(history))
+        .numbers("force", "N", history.force());
     if let Some(spread) = &march.spread {
-        columns.push(Column::numbers(
-            "standard error of the force",
-            "N",
-            spread.force.clone(),
-        ));
+        table = table.numbers("standard error of the force", "N", &spread.force);
     }
-    columns.extend([
-        Column::numbers(
-            "velocity of the first face",
-            "m/s",
-            prediction.face_velocity[0].clone(),
-        ),
-        Column::numbers(
-            "velocity of the second face",
-            "m/s",
-            prediction.face_velocity[1].clone(),
-        ),
-        Column::numbers("approach of the faces", "m", prediction.approach.clone()),
-        Column::words("state", in_contact),
-    ]);
-    Table {
-        name: "force".to_owned(),
-        title: "Unfiltered force of the march, faces and state of the contact".to_owned(),
-        columns,
-    }
+    let [first, second] = &prediction.face_velocity;
+    table
+        .numbers("velocity of the first face", "m/s", first)
+        .numbers("velocity of the second face", "m/s", second)
+        .numbers("approach of the faces", "m", &prediction.approach)
+        .words("state", in_contact)
 }
 
 pub(super) fn contacts(prediction: &Prediction) -> Table {
-    let of = |value: &dyn Fn(&impulse::ContactInterval) -> f64| {
-        prediction.contacts.iter().map(value).collect::<Vec<f64>>()
-    };
-    Table {
-        name: "contacts".to_owned(),
-        title: "Contacts".to_owned(),
-        columns: vec![
-            Column::numbers("start", "s", of(&|contact| contact.begin)),
-            Column::numbers("end", "s", of(&|contact| contact.end.unwrap_or(f64::NAN))),
-            Column::numbers("impulse", "N s", of(&|contact| contact.impulse)),
-            Column::numbers("largest force", "N", of(&|contact| contact.peak)),
-        ],
-    }
+    Rows::of(&prediction.contacts, "contacts", "Contacts")
+        .number("start", "s", |contact| contact.begin)
+        .number("end", "s", |contact| contact.end.unwrap_or(f64::NAN))
+        .number("impulse", "N s", |contact| contact.impulse)
+        .number("largest force", "N", |contact| contact.peak)
+        .table
 }

@@ -4,6 +4,7 @@
 use impulse::{ChosenParameter, ForceBand, Parameter, ReconstructedForce};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
+use super::histories::milliseconds;
 use super::response_answer::Bands;
 use super::response_problem::Problem;
 use super::response_solve::window;
@@ -21,9 +22,7 @@ pub(super) fn all(
 
 fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> Figure {
     let history = &solved.history;
-    let time: Vec<f64> = (0..history.force().len())
-        .map(|n| 1e3 * history.time_at(n))
-        .collect();
+    let time = milliseconds(history);
     let percent = 100.0 * bands.level;
     let band = |name: &str, role: Role, band: &ForceBand| {
         let edges = time.iter().zip(&band.lower).zip(&band.upper);

@@ -1,48 +1,34 @@
 //! Tables of a force from a response.
 
-use impulse::{ForceBand, ReconstructedForce};
+use impulse::ReconstructedForce;
 
+use super::histories::{times, with_band};
 use super::response_answer::Bands;
 use super::response_problem::Problem;
-use crate::outcome::{Column, Table};
+use crate::outcome::{Rows, Table};
 
 /// Returns the table of the force, with one row for each sample.
 pub(super) fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> Table {
     let history = &solved.history;
-    let steps = 0..history.force().len();
-    let mut columns = vec![
-        Column::numbers("time", "s", steps.map(|n| history.time_at(n)).collect()),
-        Column::numbers(
-            "response",
-            problem.first.unit,
-            problem.first.samples.clone(),
-        ),
-        Column::numbers("force", "N", history.force().to_vec()),
-    ];
-    let limits = |name: &str, band: &ForceBand| {
-        [
-            Column::numbers(format!("{name}, lower"), "N", band.lower.clone()),
-            Column::numbers(format!("{name}, upper"), "N", band.upper.clone()),
-        ]
-    };
+    let mut table = Table::new("force", "Force from the response")
+        .numbers("time", "s", times(history))
+        .numbers("response", problem.first.unit, &problem.first.samples)
+        .numbers("force", "N", history.force());
     if let Some(known) = &bands.random {
-        columns.push(Column::numbers(
-            "standard error of the force",
-            "N",
-            known.error.standard_error().to_vec(),
-        ));
-        columns.extend(limits("pointwise band", &known.pointwise));
-        columns.extend(limits("band of the whole history", &known.simultaneous));
+        let errors = known.error.standard_error();
+        table = table.numbers("standard error of the force", "N", errors);
+        table = with_band(table, "pointwise band", &known.pointwise);
+        table = with_band(table, "band of the whole history", &known.simultaneous);
     }
-    columns.push(Column::numbers(
+    table = table.numbers(
         "change by the regularisation",
         "N",
-        solved.regularisation_bias.clone(),
-    ));
-    if let Some(measured) = &problem.measured {
-        columns.push(Column::numbers("measured force", "N", measured.clone()));
+        &solved.regularisation_bias,
+    );
+    match &problem.measured {
+        Some(measured) => table.numbers("measured force", "N", measured),
+        None => table,
     }
-    Table::of("force", "Force from the response", columns)
 }
 
 /// Returns the table of the curve from which the parameter was chosen; `None` if it was not chosen.
@@ -51,20 +37,12 @@ pub(super) fn curve(solved: &ReconstructedForce) -> Option<Table> {
     if curve.is_empty() {
         return None;
     }
-    let of = |value: &dyn Fn(&impulse::CurvePoint) -> f64| curve.iter().map(value).collect();
-    Some(Table {
-        name: "regularisation".to_owned(),
-        title: "Results with other regularisation parameters".to_owned(),
-        columns: vec![
-            Column::numbers("parameter", "", of(&|point| point.parameter)),
-            Column::numbers("squared residual", "", of(&|point| point.squared_residual)),
-            Column::numbers("squared norm", "", of(&|point| point.squared_norm)),
-            Column::numbers(
-                "degrees of freedom",
-                "",
-                of(&|point| point.degrees_of_freedom),
-            ),
-            Column::numbers("score", "", of(&|point| point.score)),
-        ],
-    })
+    let title = "Results with other regularisation parameters";
+    let rows = Rows::of(curve, "regularisation", title)
+        .number("parameter", "", |point| point.parameter)
+        .number("squared residual", "", |point| point.squared_residual)
+        .number("squared norm", "", |point| point.squared_norm)
+        .number("degrees of freedom", "", |point| point.degrees_of_freedom)
+        .number("score", "", |point| point.score);
+    Some(rows.table)
 }

@@ -5,8 +5,8 @@ use super::scope::Band;
 use super::words::{capital, name_of, unit_of};
 use crate::digits::{hertz, short};
 use crate::median::upper_median;
-use crate::outcome::{Column, Quantity, Table};
-use crate::responses::error_columns;
+use crate::outcome::{Quantity, Rows, Table};
+use crate::responses::with_errors;
 use crate::universal::DECAY_RATE;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -27,30 +27,21 @@ pub(super) fn table(
     let lines: Vec<usize> = (0..response.values.len())
         .filter(|line| band.holds(response.frequency_hz[*line]))
         .collect();
-    let each = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        lines.iter().map(|line| value(*line)).collect()
-    };
     let (name, unit) = (name_of(response), unit_of(response));
     let values = &response.values;
-    let mut columns = vec![
-        Column::numbers("frequency", "Hz", each(&|line| response.frequency_hz[line])),
-        Column::numbers(
-            format!("real part of {name}"),
-            &unit,
-            each(&|line| values[line].re),
-        ),
-        Column::numbers(
-            format!("imaginary part of {name}"),
-            &unit,
-            each(&|line| values[line].im),
-        ),
-        Column::numbers(
-            format!("magnitude of {name}"),
-            &unit,
-            each(&|line| values[line].norm()),
-        ),
-        Column::numbers("phase", "deg", each(&|line| values[line].arg() * DEGREES)),
-    ];
+    let title = format!("Frequency response of {output} over {input}");
+    let mut rows = Rows::of(&lines, format!("response_{file}"), title)
+        .number("frequency", "Hz", |line| response.frequency_hz[*line])
+        .number(format!("real part of {name}"), &unit, |line| {
+            values[*line].re
+        })
+        .number(format!("imaginary part of {name}"), &unit, |line| {
+            values[*line].im
+        })
+        .number(format!("magnitude of {name}"), &unit, |line| {
+            values[*line].norm()
+        })
+        .number("phase", "deg", |line| values[*line].arg() * DEGREES);
     let several = estimated.coherences.len() > 1;
     for (coherence, hammer) in estimated.coherences.iter().zip(["first", "second"]) {
         let name = match (several, &estimated.multiple) {
@@ -58,76 +49,45 @@ pub(super) fn table(
             (false, None) => "coherence".to_owned(),
             (false, Some(_)) => "partial coherence".to_owned(),
         };
-        columns.push(Column::numbers(
-            name,
-            "",
-            each(&|line| coherence.values[line]),
-        ));
+        rows = rows.number(name, "", |line| coherence.values[*line]);
     }
     if let Some(multiple) = &estimated.multiple {
-        columns.push(Column::numbers(
-            "multiple coherence",
-            "",
-            each(&|line| multiple[line]),
-        ));
+        rows = rows.number("multiple coherence", "", |line| multiple[*line]);
     }
     if let Some(errors) = response.random_error() {
-        columns.push(Column::numbers(
-            "random error of the magnitude",
-            "%",
-            each(&|line| 100.0 * errors[line].magnitude),
-        ));
-        columns.push(Column::numbers(
-            "random error of the phase",
-            "deg",
-            each(&|line| DEGREES * errors[line].phase),
-        ));
+        rows = rows
+            .number("random error of the magnitude", "%", |line| {
+                100.0 * errors[*line].magnitude
+            })
+            .number("random error of the phase", "deg", |line| {
+                DEGREES * errors[*line].phase
+            });
     }
-    columns.extend(error_columns(response, lines.iter().copied()));
+    rows.table = with_errors(rows.table, response, lines.iter().copied());
     if let Some(leakage) = &estimated.leakage {
-        columns.push(Column::numbers(
-            format!("systematic error {}", estimated.cause),
-            "%",
-            each(&|line| 100.0 * leakage[line]),
-        ));
+        let name = format!("systematic error {}", estimated.cause);
+        rows = rows.number(name, "%", |line| 100.0 * leakage[*line]);
     }
     if let Some(damping) = response.added_damping {
-        columns.push(Column::numbers(
-            DECAY_RATE,
-            "1/s",
-            each(&|_| damping.decay_rate()),
-        ));
+        rows = rows.number(DECAY_RATE, "1/s", |_| damping.decay_rate());
     }
     if let Some(merged) = &estimated.merged {
-        columns.push(Column::numbers(
-            "share of the first hammer",
-            "",
-            each(&|line| merged.shares[(0, line)]),
-        ));
-        columns.push(Column::numbers(
-            "discrepancy of the hammers",
-            "",
-            each(&|line| merged.discrepancy[line]),
-        ));
+        rows = rows
+            .number("share of the first hammer", "", |line| {
+                merged.shares[(0, *line)]
+            })
+            .number("discrepancy of the hammers", "", |line| {
+                merged.discrepancy[*line]
+            });
     }
     let completed = estimated.completed.as_ref().map_or(0, |c| c.first_measured);
-    let verdicts = lines
-        .iter()
-        .map(|line| match estimated.objections[*line] {
-            Some(objection) => objection.to_owned(),
-            None if *line < completed => "of the weighed mass".to_owned(),
-            None => "valid".to_owned(),
-        })
-        .collect();
-    let valid = lines
-        .iter()
-        .map(|line| estimated.objections[*line].is_none());
-    columns.push(Column::validity(valid.collect(), verdicts));
-    Table {
-        name: format!("response_{file}"),
-        title: format!("Frequency response of {output} over {input}"),
-        columns,
-    }
+    let verdict = |line: &usize| match estimated.objections[*line] {
+        Some(objection) => objection.to_owned(),
+        None if *line < completed => "of the weighed mass".to_owned(),
+        None => "valid".to_owned(),
+    };
+    let is_valid = |line: &usize| estimated.objections[*line].is_none();
+    rows.validity(is_valid, verdict).table
 }
 
 /// Overall results from the valid lines of the band.

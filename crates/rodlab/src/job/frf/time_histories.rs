@@ -8,7 +8,7 @@ use rodfigure::{Figure, Mark, Panel, Role};
 use super::estimate;
 use super::sheet::FrfSheet;
 use crate::hits::{FoundHit, FoundHits};
-use crate::outcome::{Column, Table};
+use crate::outcome::{Rows, Table};
 use crate::{InStep, RodlabError};
 
 /// Maximum number of histories on one panel. If there are more, only the first ones are drawn;
@@ -186,47 +186,31 @@ fn window_of(
 
 /// Returns a table with one row per hit: time, strength, decision and reasons.
 pub(super) fn table(found: &FoundHits, input: &str, name: &str, title: &str) -> Table {
-    let mut columns = [const { Vec::new() }; 3];
-    let mut words = [const { Vec::new() }; 3];
-    let mut unit = "";
-    for found in found.hits() {
-        let record = found.hit.record();
-        let peak = record.and_then(|record| {
-            let channel = record.channels().iter().find(|c| c.name() == input)?;
-            unit = channel.quantity().unit();
-            let samples = record.channel(input).ok()?;
-            samples
-                .iter()
-                .copied()
-                .max_by(|a, b| a.abs().total_cmp(&b.abs()))
-        });
-        columns[0].push(found.number as f64);
-        columns[1].push(found.hit.time());
-        columns[2].push(peak.unwrap_or(f64::NAN));
-        let entry = found.log_entry();
-        words[0].push(found.of.to_owned());
-        words[1].push(
-            if entry.accepted {
+    let hits: Vec<FoundHit<'_>> = found.hits().collect();
+    let unit = hits.iter().find_map(|found| {
+        let mut channels = found.hit.record()?.channels().iter();
+        let channel = channels.find(|channel| channel.name() == input)?;
+        Some(channel.quantity().unit())
+    });
+    let peak = |found: &FoundHit<'_>| {
+        let samples = found.hit.record()?.channel(input).ok()?;
+        let all = samples.iter().copied();
+        all.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    };
+    Rows::of(&hits, name, title)
+        .number("hit", "", |found| found.number as f64)
+        .word("record", |found| found.of)
+        .number("time", "s", |found| found.hit.time())
+        .number(format!("peak of {input}"), unit.unwrap_or(""), |found| {
+            peak(found).unwrap_or(f64::NAN)
+        })
+        .word("decision", |found| {
+            if found.log_entry().accepted {
                 "accepted"
             } else {
                 "rejected"
             }
-            .to_owned(),
-        );
-        words[2].push(entry.reasons.join("; "));
-    }
-    let [numbers, times, peaks] = columns;
-    let [records, decisions, reasons] = words;
-    Table {
-        name: name.to_owned(),
-        title: title.to_owned(),
-        columns: vec![
-            Column::numbers("hit", "", numbers),
-            Column::words("record", records),
-            Column::numbers("time", "s", times),
-            Column::numbers(format!("peak of {input}"), unit, peaks),
-            Column::words("decision", decisions),
-            Column::words("reasons", reasons),
-        ],
-    }
+        })
+        .word("reasons", |found| found.log_entry().reasons.join("; "))
+        .table
 }

@@ -7,7 +7,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use super::Found;
 use super::laws::FittedLaw;
 use super::words::Shown;
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 
 /// Rise of chi-square at the ends of a 95 % interval.
 const AT_95_PER_CENT: f64 = 3.84;
@@ -138,24 +138,17 @@ fn profiles(found: &Found) -> Figure {
 /// Returns the tables with the histories and residuals of each test.
 pub(super) fn tables(found: &Found) -> Vec<Table> {
     let of_test = |(number, test): (usize, &maxwellid::RodTest)| {
-        let mut columns = vec![
-            Column::numbers("time", "s", test.times()),
-            Column::numbers("measured response", "m/s", test.response().to_vec()),
-        ];
+        let title = format!("Responses of test {}", test.name());
+        let mut table = Table::new(format!("response-{}", number + 1), title)
+            .numbers("time", "s", test.times())
+            .numbers("measured response", "m/s", test.response());
         for law in &found.laws {
             if let Some(simulated) = law.simulated(found, number) {
-                columns.push(Column::numbers(
-                    format!("simulated response, {}", law.law.name()),
-                    "m/s",
-                    simulated,
-                ));
+                let name = format!("simulated response, {}", law.law.name());
+                table = table.numbers(name, "m/s", simulated);
             }
         }
-        Table {
-            name: format!("response-{}", number + 1),
-            title: format!("Responses of test {}", test.name()),
-            columns,
-        }
+        table
     };
     found.tests.iter().enumerate().map(of_test).collect()
 }

@@ -13,7 +13,7 @@ use super::{Found, IdentifySheet};
 use crate::digits::significant;
 use crate::job::JobContext;
 use crate::job::simulate::StrikerSheet;
-use crate::outcome::{Attachment, Column, Table};
+use crate::outcome::{Attachment, Rows};
 use crate::sheet::{self, Exact, Language, Length, Velocity, plausible};
 use crate::{Outcome, RodlabError};
 
@@ -322,45 +322,31 @@ fn state(
     planned: &[Planned<'_>],
     outcome: &mut Outcome,
 ) {
-    let rows = || std::iter::once(present).chain(planned);
-    let of_choice = |value: &dyn Fn(&Choice<'_>) -> f64| -> Vec<f64> {
-        rows()
-            .map(|row| row.choice.as_ref().map_or(f64::NAN, value))
-            .collect()
-    };
-    let mut columns = vec![
-        Column::words("planned test", rows().map(|row| row.name.clone()).collect()),
-        Column::numbers("number of tests", "", of_choice(&|c| c.repeats as f64)),
-        Column::numbers("impact velocity", "m/s", of_choice(&|c| c.velocity.si())),
-    ];
-    let or_nan = |value: Option<&f64>| value.copied().unwrap_or(f64::NAN);
+    let rows: Vec<&Planned<'_>> = std::iter::once(present).chain(planned).collect();
+    let title = format!(
+        "Planned tests, each together with the tests already made, if the law is {}",
+        candidate.name()
+    );
+    let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let mut table = Rows::of(&rows, "next_tests", title)
+        .word("planned test", |row| &row.name)
+        .number("number of tests", "", |row| {
+            or_nan(row.choice.as_ref().map(|choice| choice.repeats as f64))
+        })
+        .number("impact velocity", "m/s", |row| {
+            or_nan(row.choice.as_ref().map(|choice| choice.velocity.si()))
+        });
     for (place, rival) in rivals.iter().enumerate() {
-        columns.push(Column::numbers(
-            format!("expected ln of the Bayes factor over {}", rival.name()),
-            "",
-            rows()
-                .map(|row| or_nan(row.separations.get(place)))
-                .collect(),
-        ));
+        let name = format!("expected ln of the Bayes factor over {}", rival.name());
+        table = table.number(name, "", |row| or_nan(row.separations.get(place).copied()));
     }
     let names = candidate.model().parameter_names();
     for (place, name) in names.iter().enumerate() {
-        columns.push(Column::numbers(
-            format!("standard error of {name}"),
-            "",
-            rows()
-                .map(|row| or_nan(row.deviations.get(place)))
-                .collect(),
-        ));
+        table = table.number(format!("standard error of {name}"), "", |row| {
+            or_nan(row.deviations.get(place).copied())
+        });
     }
-    outcome.tables.push(Table {
-        name: "next_tests".to_owned(),
-        title: format!(
-            "Planned tests, each together with the tests already made, if the law is {}",
-            candidate.name()
-        ),
-        columns,
-    });
+    outcome.tables.push(table.table);
     let Some(best) = planned.first() else { return };
     let told = if let Aim::Separate = aim {
         format!(

@@ -9,7 +9,7 @@ use labio::{FrequencyResponse, LineValidity};
 use super::MobilitySheet;
 use super::known::Known;
 use crate::digits::{hertz, short};
-use crate::outcome::{Column, Quantity, Table};
+use crate::outcome::{Quantity, Table};
 use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_with_signal};
 use crate::sheet::ValueWithUncertainty;
 use crate::{InStep, Outcome, RodlabError};
@@ -35,14 +35,10 @@ pub(super) struct ImpulseResponse {
 
 impl ImpulseResponse {
     pub(super) fn table(&self) -> Table {
-        Table {
-            name: "impulse_response".to_owned(),
-            title: "Velocity of the face after a unit impulse".to_owned(),
-            columns: vec![
-                Column::numbers("time", "s", self.time.clone()),
-                Column::numbers("impulse response", "1/kg", self.values.clone()),
-            ],
-        }
+        let title = "Velocity of the face after a unit impulse";
+        Table::new("impulse_response", title)
+            .numbers("time", "s", &self.time)
+            .numbers("impulse response", "1/kg", &self.values)
     }
 }
 

@@ -5,83 +5,71 @@ use cmod::estimate::{Budget, BudgetedQuantity, ErrorSource};
 
 use super::Found;
 use super::reasons::Reasons;
-use crate::outcome::{Column, Table};
+use crate::outcome::{Column, Rows, Table};
 use crate::{InStep, RodlabError};
 
 /// Returns the table of the lines with a modulus, valid or not, with the `reasons` of invalid
 /// lines.
 pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
     let lines = found.estimate.lines();
-    let numbers = |name: &str, unit: &str, value: &dyn Fn(&ModulusLine) -> f64| {
-        Column::numbers(name, unit, lines.iter().map(value).collect())
-    };
     let giga = 1e-9;
-    let mut columns = vec![
-        numbers("frequency", "Hz", &|l| l.frequency_hz),
-        numbers("E'", "GPa", &|l| giga * l.modulus.re),
-        numbers("standard error of E'", "GPa", &|l| {
+    let mut rows = Rows::of(lines, "modulus", "Complex modulus")
+        .number("frequency", "Hz", |l| l.frequency_hz)
+        .number("E'", "GPa", |l| giga * l.modulus.re)
+        .number("standard error of E'", "GPa", |l| {
             giga * l.standard_error.storage_modulus
-        }),
-        numbers("E''", "GPa", &|l| giga * l.modulus.im),
-        numbers("standard error of E''", "GPa", &|l| {
+        })
+        .number("E''", "GPa", |l| giga * l.modulus.im)
+        .number("standard error of E''", "GPa", |l| {
             giga * l.standard_error.loss_modulus
-        }),
-        numbers("covariance of E' and E''", "GPa^2", &|l| {
+        })
+        .number("covariance of E' and E''", "GPa^2", |l| {
             giga * giga * l.covariance().mixed
-        }),
-        numbers("loss factor", "", &|l| l.loss_factor),
-        numbers("standard error of the loss factor", "", &|l| {
+        })
+        .number("loss factor", "", |l| l.loss_factor)
+        .number("standard error of the loss factor", "", |l| {
             l.standard_error.loss_factor
-        }),
-        numbers("random error of E'", "GPa", &|l| {
+        })
+        .number("random error of E'", "GPa", |l| {
             giga * l.random_error().storage_modulus
-        }),
-        numbers("common error of E'", "GPa", &|l| {
+        })
+        .number("common error of E'", "GPa", |l| {
             giga * l.systematic_error().storage_modulus
-        }),
-        numbers("random error of the loss factor", "", &|l| {
+        })
+        .number("random error of the loss factor", "", |l| {
             l.random_error().loss_factor
-        }),
-        numbers("common error of the loss factor", "", &|l| {
+        })
+        .number("common error of the loss factor", "", |l| {
             l.systematic_error().loss_factor
-        }),
-        numbers("bound of the lateral inertia left in E'", "GPa", &|l| {
+        })
+        .number("bound of the lateral inertia left in E'", "GPa", |l| {
             giga * l.lateral_inertia_bound().storage_modulus
-        }),
-        numbers("wave number", "rad/m", &ModulusLine::wave_number),
-        numbers("standard error of the wave number", "rad/m", &|l| {
+        })
+        .number("wave number", "rad/m", ModulusLine::wave_number)
+        .number("standard error of the wave number", "rad/m", |l| {
             l.standard_error.wave_number
-        }),
-        numbers(
-            "damping coefficient",
-            "1/m",
-            &ModulusLine::damping_coefficient,
-        ),
-        numbers("standard error of the damping coefficient", "1/m", &|l| {
+        })
+        .number("damping coefficient", "1/m", |l| l.damping_coefficient())
+        .number("standard error of the damping coefficient", "1/m", |l| {
             l.standard_error.damping_coefficient
-        }),
-        numbers("phase velocity", "m/s", &|l| l.phase_velocity),
-        numbers("standard error of the phase velocity", "m/s", &|l| {
+        })
+        .number("phase velocity", "m/s", |l| l.phase_velocity)
+        .number("standard error of the phase velocity", "m/s", |l| {
             l.standard_error.phase_velocity
-        }),
-        numbers("error amplification", "", &|l| l.error_amplification),
-    ];
+        })
+        .number("error amplification", "", |l| l.error_amplification);
     if let Some(corrected) = found.corrected {
         let corrections = corrected.corrections().iter();
-        columns.push(Column::numbers(
-            "E' before the correction of lateral inertia",
-            "GPa",
-            corrections
-                .map(|line| giga * line.apparent_modulus.re)
-                .collect(),
-        ));
+        let apparent = corrections.map(|line| giga * line.apparent_modulus.re);
+        let name = "E' before the correction of lateral inertia";
+        rows.table = rows.table.numbers(name, "GPa", apparent);
     }
     let validity = Column::validity(
         lines.iter().map(|line| line.validity.is_valid()).collect(),
         lines.iter().map(|line| line.validity.to_string()).collect(),
     );
-    columns.push(validity.with_kinds(reasons.of_line.clone()));
-    Table::of("modulus", "Complex modulus", columns)
+    rows.table
+        .with(validity.with_kinds(reasons.of_line.clone()))
 }
 
 /// Returns the sources of common errors that have a standard uncertainty on any line.
@@ -104,8 +92,9 @@ pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
     if sources.is_empty() {
         return Ok(None);
     }
-    let frequency = lines.iter().map(|line| line.frequency_hz).collect();
-    let mut columns = vec![Column::numbers("frequency", "Hz", frequency)];
+    let frequency = lines.iter().map(|line| line.frequency_hz);
+    let mut table =
+        Table::new("budget", "Budget of uncertainty").numbers("frequency", "Hz", frequency);
     for (name, unit, quantity) in [
         ("E'", "%", BudgetedQuantity::StorageModulus),
         ("the loss factor", "", BudgetedQuantity::LossFactor),
@@ -118,21 +107,19 @@ pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
             })
             .collect();
         let budgets: Vec<Budget> = lines.iter().map(|line| line.budget(quantity)).collect();
-        let column = |what: &str, value: &dyn Fn(&Budget) -> f64| {
+        let column = |table: Table, what: &str, value: &dyn Fn(&Budget) -> f64| {
             let scaled = budgets.iter().zip(&scales);
-            let values = scaled
-                .map(|(budget, scale)| scale * value(budget))
-                .collect();
-            Column::numbers(format!("{what}, of {name}"), unit, values)
+            let values = scaled.map(|(budget, scale)| scale * value(budget));
+            table.numbers(format!("{what}, of {name}"), unit, values)
         };
-        columns.push(column("random", &Budget::random));
+        table = column(table, "random", &Budget::random);
         for source in &sources {
             let of_source = |budget: &Budget| {
                 let mut sources = budget.sources().iter();
                 let own = sources.find(|(other, _)| other == source);
                 own.map_or(0.0, |(_, error)| *error)
             };
-            columns.push(column(&source.to_string(), &of_source));
+            table = column(table, &source.to_string(), &of_source);
         }
         let expanded = budgets
             .iter()
@@ -140,19 +127,20 @@ pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
             .collect::<Result<Vec<f64>, _>>()
             .in_step("the budget of uncertainty")?;
         let scaled = expanded.iter().zip(&scales);
-        columns.push(Column::numbers(
-            format!("expanded uncertainty (95 %), of {name}"),
-            unit,
-            scaled.map(|(error, scale)| scale * error).collect(),
-        ));
         let largest = |budget: &Budget| match budget.sources().first() {
             Some((source, error)) if *error > budget.random() => source.to_string(),
             _ => "random".to_owned(),
         };
-        columns.push(Column::words(
-            format!("largest source, of {name}"),
-            budgets.iter().map(largest).collect(),
-        ));
+        table = table
+            .numbers(
+                format!("expanded uncertainty (95 %), of {name}"),
+                unit,
+                scaled.map(|(error, scale)| scale * error),
+            )
+            .words(
+                format!("largest source, of {name}"),
+                budgets.iter().map(largest),
+            );
     }
-    Ok(Some(Table::of("budget", "Budget of uncertainty", columns)))
+    Ok(Some(table))
 }

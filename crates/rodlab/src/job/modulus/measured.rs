@@ -23,7 +23,7 @@ use crate::hits::HitsSheet;
 use crate::job::JobContext;
 use crate::job::frf::ExponentialWindowSheet;
 use crate::outcome::Setting;
-use crate::outcome::{Column, InputFile, LogEntry, Table};
+use crate::outcome::{InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
 use crate::sheet::{BandSheet, Duration, Exact, Ratio as RatioKind};
 use crate::{InStep, RodlabError};
@@ -387,23 +387,17 @@ pub(super) fn table(spectra: &Spectra) -> Option<Table> {
         Spectra::Modes(modes) => return Some(modes.table()),
         Spectra::Gauges(_) => return None,
     };
-    let of = |pick: fn(&Complex64) -> f64| ratio.values.iter().map(pick).collect();
-    let mut columns = vec![
-        Column::numbers("frequency", "Hz", ratio.frequency_hz.clone()),
-        Column::numbers("real part", "", of(|value| value.re)),
-        Column::numbers("imaginary part", "", of(|value| value.im)),
-        Column::numbers(
+    let table = Table::new("ratio", "Ratio of spectra")
+        .numbers("frequency", "Hz", &ratio.frequency_hz)
+        .numbers("real part", "", ratio.values.iter().map(|r| r.re))
+        .numbers("imaginary part", "", ratio.values.iter().map(|r| r.im))
+        .numbers(
             "standard error",
             "",
-            ratio.variance.iter().map(|v| v.sqrt()).collect(),
-        ),
-    ];
-    if let Some(coherence) = &ratio.coherence {
-        columns.push(Column::numbers("coherence", "", coherence.clone()));
-    }
-    Some(Table {
-        name: "ratio".to_owned(),
-        title: "Ratio of spectra".to_owned(),
-        columns,
+            ratio.variance.iter().map(|v| v.sqrt()),
+        );
+    Some(match &ratio.coherence {
+        Some(coherence) => table.numbers("coherence", "", coherence),
+        None => table,
     })
 }

@@ -2,10 +2,10 @@
 
 use cmod::CmodError;
 use cmod::recovery::fit::PredictedChange;
-use cmod::recovery::{LoadHistory, LossFactorReadings, RecoveryTest};
+use cmod::recovery::{LoadHistory, LossFactorReadings, RecoveryTest, SingleTestFit};
 
 use super::Found;
-use crate::outcome::{Column, Table};
+use crate::outcome::{Rows, Table};
 
 /// Number of points of a curve.
 const POINTS: u32 = 121;
@@ -71,121 +71,72 @@ pub(super) fn tables(found: &Found<'_>) -> Result<Vec<Table>, CmodError> {
 
 /// Returns the table of all readings with the values of the model.
 fn readings(found: &Found<'_>) -> Result<Table, CmodError> {
-    let mut names = Vec::new();
-    let mut columns: [Vec<f64>; 6] = Default::default();
+    let mut rows: Vec<(&str, [f64; 6])> = Vec::new();
     for (test, errors) in found.tests.iter().zip(&found.standard_errors) {
         let predicted = found.predicted(test)?;
-        for (((time, change), error), model) in test
-            .time()
-            .iter()
-            .zip(test.change())
-            .zip(errors)
-            .zip(&predicted)
-        {
-            names.push(test.name().to_owned());
-            let row = [
-                *time,
-                *change,
-                *error,
-                model.change,
-                model.standard_error,
-                (change - model.change) / error,
-            ];
-            for (column, value) in columns.iter_mut().zip(row) {
-                column.push(value);
-            }
+        let read = test.time().iter().zip(test.change());
+        for (((time, change), error), model) in read.zip(errors).zip(&predicted) {
+            let residual = (change - model.change) / error;
+            let (model, of_model) = (model.change, model.standard_error);
+            rows.push((
+                test.name(),
+                [*time, *change, *error, model, of_model, residual],
+            ));
         }
     }
-    let [time, change, error, model, model_error, residual] = columns;
-    Ok(Table {
-        name: "readings".to_owned(),
-        title: "Readings and model".to_owned(),
-        columns: vec![
-            Column::words("test", names),
-            Column::numbers("time after unloading", "s", time),
-            Column::numbers("change of the loss factor", "", change),
-            Column::numbers("standard error", "", error),
-            Column::numbers("change of the model", "", model),
-            Column::numbers("standard error of the model", "", model_error),
-            Column::numbers("residual by standard error", "", residual),
-        ],
-    })
+    let rows = Rows::of(&rows, "readings", "Readings and model")
+        .word("test", |(name, _)| *name)
+        .number("time after unloading", "s", |(_, row)| row[0])
+        .number("change of the loss factor", "", |(_, row)| row[1])
+        .number("standard error", "", |(_, row)| row[2])
+        .number("change of the model", "", |(_, row)| row[3])
+        .number("standard error of the model", "", |(_, row)| row[4])
+        .number("residual by standard error", "", |(_, row)| row[5]);
+    Ok(rows.table)
 }
 
 /// Returns the table of the model over time, with one column per load.
 fn curves(found: &Found<'_>) -> Result<Table, CmodError> {
     let times = times(&found.tests);
-    let mut columns = vec![Column::numbers("time after unloading", "s", times.clone())];
+    let title = "Change of the loss factor by the model";
+    let mut table = Table::new("curves", title).numbers("time after unloading", "s", &times);
     let predictions = found.predictions.iter().map(|(_, test)| test);
     for test in found.tests.iter().chain(predictions) {
         let curve = found.curve(test, &times)?;
-        let (change, error) = curve
-            .iter()
-            .map(|point| (point.change, point.standard_error))
-            .unzip();
+        let (changes, errors) = (
+            curve.iter().map(|point| point.change),
+            curve.iter().map(|point| point.standard_error),
+        );
         let name = test.name();
-        columns.push(Column::numbers(format!("change, {name}"), "", change));
-        columns.push(Column::numbers(
-            format!("standard error, {name}"),
-            "",
-            error,
-        ));
+        table = table
+            .numbers(format!("change, {name}"), "", changes)
+            .numbers(format!("standard error, {name}"), "", errors);
     }
-    Ok(Table::of(
-        "curves",
-        "Change of the loss factor by the model",
-        columns,
-    ))
+    Ok(table)
 }
 
 /// Returns the table of the results of each test alone (equation 4), and the recovery time of the
 /// common model.
 fn tests(found: &Found<'_>) -> Table {
-    let single = |pick: &dyn Fn(&cmod::recovery::SingleTestFit) -> f64| -> Vec<f64> {
-        let of = |fit: &Result<cmod::recovery::SingleTestFit, CmodError>| {
-            fit.as_ref().map_or(f64::NAN, pick)
-        };
-        found.singles.iter().map(of).collect()
+    let single = |pick: fn(&SingleTestFit) -> f64| {
+        let fits = found.singles.iter();
+        fits.map(move |fit| fit.as_ref().map_or(f64::NAN, pick))
     };
-    let of_tests = |pick: &dyn Fn(&RecoveryTest) -> f64| -> Vec<f64> {
-        found.tests.iter().map(pick).collect()
-    };
-    Table {
-        name: "tests".to_owned(),
-        title: "Each test by itself, and by the common model".to_owned(),
-        columns: vec![
-            Column::words(
-                "test",
-                found.tests.iter().map(|t| t.name().to_owned()).collect(),
-            ),
-            Column::numbers(
-                "largest stress",
-                "MPa",
-                of_tests(&|test| 1e-6 * test.load().largest_stress()),
-            ),
-            Column::numbers(
-                "duration of the load",
-                "s",
-                of_tests(&|test| test.load().duration()),
-            ),
-            Column::numbers("initial change", "", single(&|fit| fit.initial_change)),
-            Column::numbers(
-                "standard error of the logarithm of the initial change",
-                "",
-                single(&|fit| fit.initial_change_error),
-            ),
-            Column::numbers("recovery time", "s", single(&|fit| fit.recovery_time)),
-            Column::numbers(
-                "standard error of the logarithm of the recovery time",
-                "",
-                single(&|fit| fit.recovery_time_error),
-            ),
-            Column::numbers("chi-square", "", single(&|fit| fit.chi_squared)),
-            Column::numbers(
-                "recovery time by the common model",
-                "s",
-                found.fit.recovery_times.clone(),
-            ),
-        ],
-    }
+    let error_of = |name: &str| format!("standard error of the logarithm of the {name}");
+    let (change, time) = ("initial change", "recovery time");
+    let by_model = &found.fit.recovery_times;
+    let title = "Each test by itself, and by the common model";
+    Rows::of(&found.tests, "tests", title)
+        .word("test", |test| test.name())
+        .number("largest stress", "MPa", |test| {
+            1e-6 * test.load().largest_stress()
+        })
+        .number("duration of the load", "s", |test| test.load().duration())
+        .table
+        .numbers(change, "", single(|fit| fit.initial_change))
+        .numbers(error_of(change), "", single(|fit| fit.initial_change_error))
+        .numbers(time, "s", single(|fit| fit.recovery_time))
+        .numbers(error_of(time), "", single(|fit| fit.recovery_time_error))
+        .numbers("chi-square", "", single(|fit| fit.chi_squared))
+        .numbers("recovery time by the common model", "s", by_model)
 }

@@ -7,7 +7,7 @@ use super::answer::stated;
 use super::figures::around;
 use super::tables::{LEVEL, band_of_mean, peak, scaled};
 use crate::digits::{significant, with_unit};
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 use crate::{InStep, Outcome, RodlabError};
 
 /// Probability that equal specimens are wrongly reported as different.
@@ -83,20 +83,29 @@ pub(super) fn state(
 }
 
 pub(super) fn table(mean: &MeanCurve) -> Result<Table, RodlabError> {
-    let stress = |name: &str, values: &[f64]| Column::numbers(name, "MPa", scaled(values, 1e-6));
-    Ok(Table {
-        name: "mean".to_owned(),
-        title: format!("Mean stress of {} shots over strain", mean.n_shots),
-        columns: vec![
-            Column::numbers("strain", "", mean.strain.clone()),
-            stress("mean stress", &mean.stress),
-            stress("95 % half width of the mean stress", &band_of_mean(mean)?),
-            stress("standard deviation between shots", &mean.scatter),
-            stress("standard deviation that is explained", &mean.explained),
-            stress("common standard error of the mean stress", &mean.common),
-            Column::numbers("mean strain rate", "1/s", mean.strain_rate.clone()),
-        ],
-    })
+    let mega = |values: &[f64]| scaled(values, 1e-6);
+    let half = mega(&band_of_mean(mean)?);
+    let title = format!("Mean stress of {} shots over strain", mean.n_shots);
+    Ok(Table::new("mean", title)
+        .numbers("strain", "", &mean.strain)
+        .numbers("mean stress", "MPa", mega(&mean.stress))
+        .numbers("95 % half width of the mean stress", "MPa", half)
+        .numbers(
+            "standard deviation between shots",
+            "MPa",
+            mega(&mean.scatter),
+        )
+        .numbers(
+            "standard deviation that is explained",
+            "MPa",
+            mega(&mean.explained),
+        )
+        .numbers(
+            "common standard error of the mean stress",
+            "MPa",
+            mega(&mean.common),
+        )
+        .numbers("mean strain rate", "1/s", &mean.strain_rate))
 }
 
 pub(super) fn figure(shots: &[HopkinsonResult], mean: &MeanCurve) -> Result<Figure, RodlabError> {

@@ -2,7 +2,7 @@
 
 use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
 
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 use crate::{InStep, RodlabError};
 
 /// Probability of the bands.
@@ -39,7 +39,8 @@ pub(super) fn band(
 }
 
 fn stress_strain(result: &HopkinsonResult) -> Result<Table, RodlabError> {
-    let mut columns = vec![Column::numbers("time", "us", microseconds(result))];
+    let title = "Stress and strain of the specimen";
+    let mut table = Table::new("stress_strain", title).numbers("time", "us", microseconds(result));
     for (name, unit, curve, factor) in [
         ("strain", "", Curve::Strain, 1.0),
         ("stress", "MPa", Curve::Stress, 1e-6),
@@ -47,34 +48,21 @@ fn stress_strain(result: &HopkinsonResult) -> Result<Table, RodlabError> {
         ("true strain", "", Curve::TrueStrain, 1.0),
         ("true stress", "MPa", Curve::TrueStress, 1e-6),
     ] {
-        let values = scaled(result.curves.of(curve), factor);
-        columns.push(Column::numbers(name, unit, values));
-        columns.push(Column::numbers(
-            format!("random standard error of the {name}"),
-            unit,
-            scaled(result.random.of(curve), factor),
-        ));
-        columns.push(Column::numbers(
-            format!("common standard error of the {name}"),
-            unit,
-            scaled(&result.common_error(curve), factor),
-        ));
-        columns.push(Column::numbers(
-            format!("95 % half width of the {name}"),
-            unit,
-            band(result, curve, factor)?,
-        ));
+        let common = scaled(&result.common_error(curve), factor);
+        let random = scaled(result.random.of(curve), factor);
+        let width = band(result, curve, factor)?;
+        table = table
+            .numbers(name, unit, scaled(result.curves.of(curve), factor))
+            .numbers(format!("random standard error of the {name}"), unit, random)
+            .numbers(format!("common standard error of the {name}"), unit, common)
+            .numbers(format!("95 % half width of the {name}"), unit, width);
     }
-    Ok(Table::of(
-        "stress_strain",
-        "Stress and strain of the specimen",
-        columns,
-    ))
+    Ok(table)
 }
 
 fn faces(result: &HopkinsonResult) -> Result<Table, RodlabError> {
-    let equilibrium = &result.equilibrium;
-    let mut columns = vec![Column::numbers("time", "us", microseconds(result))];
+    let title = "Forces and velocities of the faces of the specimen";
+    let mut table = Table::new("faces", title).numbers("time", "us", microseconds(result));
     for (name, unit, curve) in [
         ("force of the incident face", "N", Curve::Force1),
         ("force of the transmitted face", "N", Curve::Force2),
@@ -82,48 +70,32 @@ fn faces(result: &HopkinsonResult) -> Result<Table, RodlabError> {
         ("velocity of the incident face", "m/s", Curve::Velocity1),
         ("velocity of the transmitted face", "m/s", Curve::Velocity2),
     ] {
-        columns.push(Column::numbers(
-            name,
-            unit,
-            result.curves.of(curve).to_vec(),
-        ));
-        columns.push(Column::numbers(
-            format!("95 % half width of the {name}"),
+        let width = format!("95 % half width of the {name}");
+        table = table.numbers(name, unit, result.curves.of(curve)).numbers(
+            width,
             unit,
             band(result, curve, 1.0)?,
-        ));
+        );
     }
-    columns.push(Column::numbers(
-        "equilibrium index",
-        "",
-        equilibrium.index.clone(),
-    ));
-    columns.push(Column::numbers(
-        "standard error of the equilibrium index",
-        "",
-        equilibrium.standard_error.clone(),
-    ));
-    Ok(Table::of(
-        "faces",
-        "Forces and velocities of the faces of the specimen",
-        columns,
-    ))
+    let index = "equilibrium index";
+    let equilibrium = &result.equilibrium;
+    let error = format!("standard error of the {index}");
+    Ok(table
+        .numbers(index, "", &equilibrium.index)
+        .numbers(error, "", &equilibrium.standard_error))
 }
 
 fn waves(result: &HopkinsonResult) -> Table {
-    let mut columns = vec![Column::numbers("time", "us", microseconds(result))];
+    let title = "Strain waves at the faces of the specimen, positive in tension";
+    let mut table = Table::new("waves", title).numbers("time", "us", microseconds(result));
     for (name, curve) in [
         ("incident wave", Curve::IncidentWave),
         ("reflected wave", Curve::ReflectedWave),
         ("transmitted wave", Curve::TransmittedWave),
     ] {
-        columns.push(Column::numbers(name, "", result.curves.of(curve).to_vec()));
+        table = table.numbers(name, "", result.curves.of(curve));
     }
-    Table {
-        name: "waves".to_owned(),
-        title: "Strain waves at the faces of the specimen, positive in tension".to_owned(),
-        columns,
-    }
+    table
 }
 
 /// Returns the table of the error due to each source, at the largest stress and as the largest
@@ -144,38 +116,24 @@ fn budget(result: &HopkinsonResult) -> Table {
         let loaded = effect.get(result.loaded.clone()).unwrap_or(&[]);
         loaded.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
     };
-    Table {
-        name: "budget".to_owned(),
-        title: "Standard errors by source".to_owned(),
-        columns: vec![
-            Column::words("source", names),
-            Column::numbers(
-                "error of the largest stress",
-                "MPa",
-                of(Curve::Stress, 1e-6, &at_peak),
-            ),
-            Column::numbers(
-                "error of the strain at this stress",
-                "",
-                of(Curve::Strain, 1.0, &at_peak),
-            ),
-            Column::numbers(
-                "largest error of the stress",
-                "MPa",
-                of(Curve::Stress, 1e-6, &largest),
-            ),
-            Column::numbers(
-                "largest error of the strain",
-                "",
-                of(Curve::Strain, 1.0, &largest),
-            ),
-            Column::numbers(
-                "largest error of the force difference",
-                "N",
-                of(Curve::ForceDifference, 1.0, &largest),
-            ),
-        ],
-    }
+    let at_stress = of(Curve::Stress, 1e-6, &at_peak);
+    let at_strain = of(Curve::Strain, 1.0, &at_peak);
+    let of_forces = of(Curve::ForceDifference, 1.0, &largest);
+    Table::new("budget", "Standard errors by source")
+        .words("source", names)
+        .numbers("error of the largest stress", "MPa", at_stress)
+        .numbers("error of the strain at this stress", "", at_strain)
+        .numbers(
+            "largest error of the stress",
+            "MPa",
+            of(Curve::Stress, 1e-6, &largest),
+        )
+        .numbers(
+            "largest error of the strain",
+            "",
+            of(Curve::Strain, 1.0, &largest),
+        )
+        .numbers("largest error of the force difference", "N", of_forces)
 }
 
 /// Returns the half width of the 95 % band of the stress.

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
 use crate::job::JobContext;
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
 use crate::{InStep, RodlabError};
 
@@ -157,22 +157,19 @@ impl CreepRecoverySheet {
     }
 
     fn table(&self, tests: &[Readings<'_>]) -> Table {
-        let times: Vec<f64> = self.read_at.iter().map(Exact::si).collect();
-        let mut columns = vec![Column::numbers("time after unloading", "s", times)];
+        let times = self.read_at.iter().map(Exact::si);
+        let mut table = Table::new("readings", "Loss factors after unloading").numbers(
+            "time after unloading",
+            "s",
+            times,
+        );
         for test in tests {
             let of = format!("{} for {}", test.load.stress, test.load.duration);
-            columns.push(Column::numbers(
-                format!("read, {of}"),
-                "",
-                test.read.clone(),
-            ));
-            columns.push(Column::numbers(
-                format!("exact, {of}"),
-                "",
-                test.exact.clone(),
-            ));
+            table = table
+                .numbers(format!("read, {of}"), "", &test.read)
+                .numbers(format!("exact, {of}"), "", &test.exact);
         }
-        Table::of("readings", "Loss factors after unloading", columns)
+        table
     }
 
     fn figure(&self, tests: &[Readings<'_>]) -> Figure {

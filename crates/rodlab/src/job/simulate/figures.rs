@@ -3,7 +3,7 @@
 use labio::{AveragedSpectra, Record, Window};
 use rodfigure::{Figure, Mark, Panel, Role};
 
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 use crate::{InStep, RodlabError};
 
 /// Returns the number of drawn units per SI unit of a quantity, and the drawn unit.
@@ -76,12 +76,11 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
 
 pub(super) fn table(records: &[Record]) -> Option<Table> {
     let first = records.first()?;
-    let time = (0..first.n_samples()).map(|k| first.time_at(k)).collect();
-    let mut columns = vec![Column::numbers("time", "s", time)];
+    let time = (0..first.n_samples()).map(|k| first.time_at(k));
+    let mut table = Table::new("first-record", "First record").numbers("time", "s", time);
     for channel in first.channels() {
-        let samples = first.channel(channel.name()).ok()?.to_vec();
-        let unit = channel.quantity().unit();
-        columns.push(Column::numbers(channel.name(), unit, samples));
+        let samples = first.channel(channel.name()).ok()?;
+        table = table.numbers(channel.name(), channel.quantity().unit(), samples);
     }
-    Some(Table::of("first-record", "First record", columns))
+    Some(table)
 }

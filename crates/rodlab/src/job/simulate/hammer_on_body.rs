@@ -12,7 +12,7 @@ use super::{Evaluation, Made, Request};
 use crate::bodies::face::{BodySheet, ComputedBody};
 use crate::bodies::replacement::{Replacement, WithoutUncertainty};
 use crate::job::JobContext;
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 use crate::{InStep, RodlabError};
 
 const FIELD: &str = "experiment: HammerOnBody";
@@ -149,21 +149,8 @@ fn true_mobility(body: &ComputedBody, band: f64) -> Result<Table, RodlabError> {
         .map(|f| body.mobility(*f))
         .collect::<Result<_, _>>()
         .in_step(format!("{FIELD}.body"))?;
-    Ok(Table {
-        name: "true-mobility".to_owned(),
-        title: "Mobility of the virtual face".to_owned(),
-        columns: vec![
-            Column::numbers("frequency", "Hz", frequency),
-            Column::numbers(
-                "real part",
-                "m/(N s)",
-                mobility.iter().map(|y| y.re).collect(),
-            ),
-            Column::numbers(
-                "imaginary part",
-                "m/(N s)",
-                mobility.iter().map(|y| y.im).collect(),
-            ),
-        ],
-    })
+    Ok(Table::new("true-mobility", "Mobility of the virtual face")
+        .numbers("frequency", "Hz", frequency)
+        .numbers("real part", "m/(N s)", mobility.iter().map(|y| y.re))
+        .numbers("imaginary part", "m/(N s)", mobility.iter().map(|y| y.im)))
 }

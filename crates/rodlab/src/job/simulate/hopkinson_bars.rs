@@ -20,7 +20,7 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};
 use crate::job::JobContext;
-use crate::outcome::{Column, Table};
+use crate::outcome::{Rows, Table};
 use crate::sheet::{Coordinate, Density, Exact, Length, Pressure, Velocity, plausible};
 use crate::{InStep, RodlabError};
 
@@ -282,27 +282,18 @@ impl HopkinsonBarsSheet {
             all.push([0.5 * (f1 + f2) / own, strain, rate]);
         }
         let interval = 1.0 / instrument.sampling_rate.si();
-        let places: Vec<usize> = (0..)
-            .map(|sample| (f64::from(sample) * interval / step).round() as usize)
-            .take_while(|at| *at < all.len())
+        let rows: Vec<(f64, [f64; 3])> = (0..)
+            .map_while(|sample| {
+                let at = (f64::from(sample) * interval / step).round() as usize;
+                Some((at as f64 * step + instrument.before(), *all.get(at)?))
+            })
             .collect();
-        let of = |which: usize, factor: f64| -> Vec<f64> {
-            let rows = places.iter().filter_map(|at| all.get(*at)?.get(which));
-            rows.map(|value| factor * value).collect()
-        };
-        let time = places
-            .iter()
-            .map(|at| 1e6 * (*at as f64 * step + instrument.before()))
-            .collect();
-        Table {
-            name: "true-stress-strain".to_owned(),
-            title: "Stress and strain of the virtual specimen".to_owned(),
-            columns: vec![
-                Column::numbers("time", "us", time),
-                Column::numbers("strain", "", of(1, 1.0)),
-                Column::numbers("stress", "MPa", of(0, 1e-6)),
-                Column::numbers("strain rate", "1/s", of(2, 1.0)),
-            ],
-        }
+        let title = "Stress and strain of the virtual specimen";
+        Rows::of(&rows, "true-stress-strain", title)
+            .number("time", "us", |(time, _)| 1e6 * time)
+            .number("strain", "", |(_, [_, strain, _])| *strain)
+            .number("stress", "MPa", |(_, [stress, ..])| 1e-6 * stress)
+            .number("strain rate", "1/s", |(_, [.., rate])| *rate)
+            .table
     }
 }

@@ -19,7 +19,7 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};
 use crate::job::JobContext;
-use crate::outcome::{Column, Table};
+use crate::outcome::Rows;
 use crate::sheet::{Density, Exact, Length, Pressure, Ratio, Velocity, plausible};
 use crate::{InStep, RodlabError};
 
@@ -255,32 +255,22 @@ impl ImpactedRodSheet {
             self.section_distance.si(),
             "m",
         );
-        let of = |pick: &dyn Fn(&rodwave::impact::ImpactBalance) -> f64| -> Vec<f64> {
-            balances.iter().map(|(_, balance)| pick(balance)).collect()
-        };
-        let balance = Table {
-            name: "balances".to_owned(),
-            title: "Momentum and energy at the end of the record".to_owned(),
-            columns: vec![
-                Column::numbers(
-                    "impact velocity",
-                    "m/s",
-                    balances.iter().map(|b| b.0).collect(),
-                ),
-                Column::numbers(
-                    "energy of the striker before",
-                    "J",
-                    of(&|b| b.energy_before),
-                ),
-                Column::numbers("energy at the end", "J", of(&|b| b.energy_after)),
-                Column::numbers("energy dissipated", "J", of(&|b| b.energy_dissipated)),
-                Column::numbers(
-                    "relative loss of momentum",
-                    "",
-                    of(&|b| b.momentum_residual),
-                ),
-            ],
-        };
+        let title = "Momentum and energy at the end of the record";
+        let balance = Rows::of(&balances, "balances", title)
+            .number("impact velocity", "m/s", |(velocity, _)| *velocity)
+            .number("energy of the striker before", "J", |(_, balance)| {
+                balance.energy_before
+            })
+            .number("energy at the end", "J", |(_, balance)| {
+                balance.energy_after
+            })
+            .number("energy dissipated", "J", |(_, balance)| {
+                balance.energy_dissipated
+            })
+            .number("relative loss of momentum", "", |(_, balance)| {
+                balance.momentum_residual
+            })
+            .table;
         let velocities: Vec<String> = self.velocities.iter().map(ToString::to_string).collect();
         Ok(Made {
             truth,

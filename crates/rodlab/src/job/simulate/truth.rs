@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use num_complex::Complex64;
 use rodwave::medium::Medium;
 
 use crate::Outcome;
 use crate::bodies::material::AnalyticLaw;
-use crate::outcome::{Column, Quantity, Table};
+use crate::outcome::{Quantity, Rows, Table};
 
 /// Lines per decade in a table of the modulus.
 const LINES_PER_DECADE: f64 = 20.0;
@@ -22,16 +23,12 @@ impl Truth {
 
     /// Adds the true values as a table and as quantities.
     pub(super) fn tell(self, outcome: &mut Outcome) {
-        let rows = || self.0.iter();
-        outcome.tables.push(Table {
-            name: "truth".to_owned(),
-            title: "True values of the virtual specimen".to_owned(),
-            columns: vec![
-                Column::words("quantity", rows().map(|row| row.0.clone()).collect()),
-                Column::numbers("value", "", rows().map(|row| row.1).collect()),
-                Column::words("unit", rows().map(|row| row.2.clone()).collect()),
-            ],
-        });
+        let title = "True values of the virtual specimen";
+        let rows = Rows::of(&self.0, "truth", title)
+            .word("quantity", |(name, ..)| name)
+            .number("value", "", |(_, value, _)| *value)
+            .word("unit", |(.., unit)| unit);
+        outcome.tables.push(rows.table);
         outcome.quantities.extend(
             self.0
                 .into_iter()
@@ -49,42 +46,17 @@ impl Truth {
 pub(super) fn modulus(medium: &Medium<AnalyticLaw>, from: f64, to: f64) -> Table {
     let decades = (to / from).log10().clamp(0.1, 12.0);
     let steps = (LINES_PER_DECADE * decades).ceil() as usize;
-    let frequency: Vec<f64> = (0..=steps)
+    let rows: Vec<(f64, Complex64)> = (0..=steps)
         .map(|step| from * (to / from).powf(step as f64 / steps as f64))
+        .map(|frequency| (frequency, medium.modulus(TAU * frequency)))
         .collect();
-    let modulus: Vec<_> = frequency.iter().map(|f| medium.modulus(TAU * f)).collect();
-    let column = |name: &str, unit: &str, values: Vec<f64>| Column::numbers(name, unit, values);
-    Table {
-        name: "true-modulus".to_owned(),
-        title: "Modulus of the virtual specimen".to_owned(),
-        columns: vec![
-            column(
-                "storage modulus",
-                "Pa",
-                modulus.iter().map(|e| e.re).collect(),
-            ),
-            column("loss modulus", "Pa", modulus.iter().map(|e| e.im).collect()),
-            column(
-                "loss factor",
-                "",
-                modulus.iter().map(|e| e.im / e.re).collect(),
-            ),
-            column(
-                "phase velocity",
-                "m/s",
-                frequency
-                    .iter()
-                    .map(|f| medium.phase_velocity(TAU * f))
-                    .collect(),
-            ),
-        ]
-        .into_iter()
-        .fold(
-            vec![column("frequency", "Hz", frequency.clone())],
-            |mut all, one| {
-                all.push(one);
-                all
-            },
-        ),
-    }
+    Rows::of(&rows, "true-modulus", "Modulus of the virtual specimen")
+        .number("frequency", "Hz", |(frequency, _)| *frequency)
+        .number("storage modulus", "Pa", |(_, e)| e.re)
+        .number("loss modulus", "Pa", |(_, e)| e.im)
+        .number("loss factor", "", |(_, e)| e.im / e.re)
+        .number("phase velocity", "m/s", |(frequency, _)| {
+            medium.phase_velocity(TAU * frequency)
+        })
+        .table
 }

@@ -11,7 +11,7 @@ use crate::digits::significant;
 use crate::job::modulus::ModulusSheet;
 use crate::job::modulus::method::Vibration;
 use crate::job::modulus::method::rod::{length, rod_with_free_end};
-use crate::outcome::{Column, Table};
+use crate::outcome::Table;
 use crate::{InStep, RodlabError};
 
 /// The modes of a rod.
@@ -25,21 +25,14 @@ impl Modes {
     /// Returns the table of frequencies and decay rates, with the standard error of the decay rate.
     /// The angular frequency has the same standard error.
     pub(super) fn table(&self) -> Table {
-        let of = |value: fn(&Pole) -> f64| self.poles.iter().map(value).collect();
-        Table {
-            name: "modes".to_owned(),
-            title: "Modes of the free vibration".to_owned(),
-            columns: vec![
-                Column::numbers("mode", "", of(|pole| f64::from(pole.order))),
-                Column::numbers("frequency", "Hz", self.frequency_hz.clone()),
-                Column::numbers("decay rate", "1/s", of(|pole| -pole.s.re)),
-                Column::numbers(
-                    "standard error of the decay rate",
-                    "1/s",
-                    of(|pole| (0.5 * pole.variance).sqrt()),
-                ),
-            ],
-        }
+        let decay = self.poles.iter().map(|pole| -pole.s.re);
+        let errors = self.poles.iter().map(|pole| (0.5 * pole.variance).sqrt());
+        let orders = self.poles.iter().map(|pole| f64::from(pole.order));
+        Table::new("modes", "Modes of the free vibration")
+            .numbers("mode", "", orders)
+            .numbers("frequency", "Hz", &self.frequency_hz)
+            .numbers("decay rate", "1/s", decay)
+            .numbers("standard error of the decay rate", "1/s", errors)
     }
 }
 
