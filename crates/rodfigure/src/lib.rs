@@ -293,6 +293,12 @@ impl Mark {
             upper,
         }
     }
+
+    /// Creates a vertical line at the abscissa `x`.
+    pub fn at(name: impl Into<String>, x: f64) -> Self {
+        let name = name.into();
+        Self::At { name, x }
+    }
 }
 
 /// Meaning of a mark, which determines its colour and dashes. Roles can be distinguished by colour

@@ -76,6 +76,11 @@ impl Outcome {
         self.warnings.push(warning.into());
     }
 
+    /// Adds the rejection of a hit, a line or a test.
+    pub(crate) fn reject(&mut self, what: impl Into<String>, reason: impl ToString) {
+        self.log.push(LogEntry::rejected(what, reason));
+    }
+
     /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause
     /// without a full stop. Repeated reasons count once. If the data do not allow an answer, the
     /// reason becomes a warning, because it may explain this.

@@ -9,7 +9,7 @@ use super::{LawsSheet, WHITE, cards};
 use crate::context::JobContext;
 use crate::digits::{hertz, prefix_for, significant};
 use crate::material_file::{self, MaterialFile};
-use crate::outcome::{Attachment, LogEntry, Quantity, Rows, Table, Verdict};
+use crate::outcome::{Attachment, Quantity, Rows, Table, Verdict};
 use crate::{InStep, Outcome, RodlabError};
 
 /// Fits the laws of a sheet and adds them to `outcome`. Returns the comparison if at least one law
@@ -40,9 +40,7 @@ pub(crate) fn fit(
     let comparison = Comparison::new(lines.data, &laws, &options).in_step("laws")?;
     context.check_cancelled()?;
     for (law, error) in &comparison.refused {
-        outcome
-            .log
-            .push(LogEntry::rejected(format!("law: {law}"), error));
+        outcome.reject(format!("law: {law}"), error);
     }
     let Some(best) = comparison.best() else {
         return Ok(None);

@@ -58,10 +58,7 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
         let record = scaled(&pulse.history);
         let mut marks = vec![Mark::curve("record", Role::First, &x, record)];
         let mut at = |name: &str, sample: usize| {
-            marks.push(Mark::At {
-                name: name.to_owned(),
-                x: step * sample as f64,
-            });
+            marks.push(Mark::at(name, step * sample as f64));
         };
         at("1", pulse.first_sample);
         if let Some([incident, reflected]) = &passages.windows {
@@ -70,10 +67,7 @@ pub(super) fn waves(waves: &Waves, passages: &Passages) -> Vec<Figure> {
             at("reflected pulse to", reflected.end);
         } else {
             for (number, time) in returns.iter().enumerate() {
-                marks.push(Mark::At {
-                    name: format!("{}", number + 2),
-                    x: 1e3 * time,
-                });
+                marks.push(Mark::at(format!("{}", number + 2), 1e3 * time));
             }
         }
         panels.push(panel("record minus its level at rest", marks));

@@ -243,10 +243,7 @@ fn stick(lines: &OnLines, until: f64) -> Figure {
             marks.push(Mark::band(format!("{name}, {percent:.0} %"), role, edges));
         }
         if let impulse::ContactEnd::Separated { time } = lines.impact.end {
-            marks.push(Mark::At {
-                name: "the faces part".to_owned(),
-                x: 1e3 * time,
-            });
+            marks.push(Mark::at("the faces part", 1e3 * time));
         }
         caption.push_str(
             " The bands are those of the random errors of mobilities, scales, velocity and masses.",

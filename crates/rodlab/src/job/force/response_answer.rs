@@ -11,7 +11,7 @@ use super::response_band;
 use super::response_problem::{Noise, Problem};
 use super::response_solve::window;
 use crate::digits::{significant, with_unit};
-use crate::outcome::{LogEntry, Quantity};
+use crate::outcome::Quantity;
 use crate::sheet::Exact;
 use crate::{InStep, Outcome, RodlabError};
 
@@ -499,17 +499,10 @@ fn log(solved: &ReconstructedForce, outcome: &mut Outcome) {
             ExclusionReason::NotResolved => "the frequency response is no larger than its errors",
             _ => "the frequency response is zero there",
         };
-        outcome.log.push(LogEntry {
-            what: if lines.len() == 1 {
-                format!("line at {first:.6} Hz")
-            } else {
-                format!(
-                    "{} lines between {first:.6} Hz and {last:.6} Hz",
-                    lines.len()
-                )
-            },
-            accepted: false,
-            reasons: vec![words.to_owned()],
-        });
+        let lines = match lines.len() {
+            1 => format!("line at {first:.6} Hz"),
+            count => format!("{count} lines between {first:.6} Hz and {last:.6} Hz"),
+        };
+        outcome.reject(lines, words);
     }
 }

@@ -129,10 +129,7 @@ fn choice(chosen: &ChosenParameter) -> Figure {
         .map(|point| (point.parameter, point.score));
     let method = vec![
         Mark::line("", Role::First, scores),
-        Mark::At {
-            name: "chosen".to_owned(),
-            x: chosen.value,
-        },
+        Mark::at("chosen", chosen.value),
     ];
     let panels = vec![
         Panel::new(

@@ -126,10 +126,7 @@ fn panel(
         let is_input = channel == sheet.input;
         marks.extend(window_of(sheet, record, is_input, peak, offset, &about)?);
         if found.is_by_trigger() && about.contains(&0.0) {
-            marks.push(Mark::At {
-                name: "trigger".to_owned(),
-                x: 0.0,
-            });
+            marks.push(Mark::at("trigger", 0.0));
         }
     }
     let label = if about.start.is_finite() {

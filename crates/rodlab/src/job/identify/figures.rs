@@ -114,17 +114,11 @@ fn profiles(found: &Found) -> Figure {
             let ends = [points.first(), points.last()];
             let level = ends.map(|end| (end.map_or(f64::NAN, |(x, _)| *x), AT_95_PER_CENT));
             let interval = [profile.lower, profile.upper].into_iter().flatten();
-            let interval = interval.map(|end| Mark::At {
-                name: "end of the interval".to_owned(),
-                x: shown.value(end),
-            });
+            let interval = interval.map(|end| Mark::at("end of the interval", shown.value(end)));
             let mut marks = vec![
                 Mark::line("profile", Role::First, points),
                 Mark::line("95 %", Role::Reference, level),
-                Mark::At {
-                    name: "minimum".to_owned(),
-                    x: shown.value(profile.value),
-                },
+                Mark::at("minimum", shown.value(profile.value)),
             ];
             marks.extend(interval);
             let rise = Axis::linear("rise of chi-square", "").within([0.0, 12.0]);

@@ -267,22 +267,14 @@ fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mu
         }
     }
     if runs.len() <= LONGEST_LOG {
-        outcome.log.extend(runs.iter().map(|(from, to, reason)| {
-            let (first, last) = (frequency[*from], frequency[to - 1]);
-            if to - from == 1 {
-                LogEntry::rejected(format!("line at {}", hertz(first)), reason)
-            } else {
-                LogEntry::rejected(
-                    format!(
-                        "{} lines from {} to {}",
-                        to - from,
-                        hertz(first),
-                        hertz(last)
-                    ),
-                    reason,
-                )
-            }
-        }));
+        for (from, to, reason) in runs {
+            let (first, last) = (hertz(frequency[from]), hertz(frequency[to - 1]));
+            let lines = match to - from {
+                1 => format!("line at {first}"),
+                count => format!("{count} lines from {first} to {last}"),
+            };
+            outcome.reject(lines, reason);
+        }
         return;
     }
     let mut counts: BTreeMap<&str, (usize, f64, f64)> = BTreeMap::new();
@@ -291,16 +283,8 @@ fn log(mobility: &FrequencyResponse, objections: &[Option<String>], outcome: &mu
         count.0 += to - from;
         count.2 = frequency[to - 1];
     }
-    outcome
-        .log
-        .extend(counts.iter().map(|(reason, (count, first, last))| {
-            LogEntry::rejected(
-                format!(
-                    "{count} lines between {} and {}",
-                    hertz(*first),
-                    hertz(*last)
-                ),
-                reason,
-            )
-        }));
+    for (reason, (count, first, last)) in counts {
+        let (first, last) = (hertz(first), hertz(last));
+        outcome.reject(format!("{count} lines between {first} and {last}"), reason);
+    }
 }

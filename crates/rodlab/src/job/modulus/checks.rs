@@ -14,7 +14,7 @@ use super::measured::Spectra;
 use super::method::{MethodSheet, rod};
 use super::{Found, SourceSheet, checked_band, estimate};
 use crate::digits::{hertz, significant};
-use crate::outcome::{CHECK, LogEntry, Quantity};
+use crate::outcome::{CHECK, Quantity};
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
@@ -158,7 +158,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     if spectra.added_damping.is_some() {
         let name = format!("{CHECK}{}", Check::FreeEndNull);
         let reason = "not made: the spectra are those of damped records";
-        outcome.log.push(LogEntry::rejected(name, reason));
+        outcome.reject(name, reason);
         return;
     }
     let distances = gauges
@@ -264,7 +264,7 @@ fn say(
         }
         Err(error) => {
             let reason = format!("not made: {error}");
-            outcome.log.push(LogEntry::rejected(name, reason));
+            outcome.reject(name, reason);
         }
     }
 }

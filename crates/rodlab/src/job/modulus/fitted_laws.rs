@@ -9,7 +9,6 @@ use super::Found;
 use super::checks::lines_per_independent_line;
 use crate::job::JobContext;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
-use crate::outcome::LogEntry;
 use crate::{Outcome, RodlabError};
 
 pub(super) fn fit(
@@ -22,7 +21,7 @@ pub(super) fn fit(
     let data = match ModulusData::from_lines(points.iter().copied()) {
         Ok(data) => data,
         Err(error) => {
-            outcome.log.push(LogEntry::rejected("laws", error));
+            outcome.reject("laws", error);
             return Ok(());
         }
     };

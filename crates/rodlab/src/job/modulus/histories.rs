@@ -101,10 +101,7 @@ fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) 
         if marks.len() == 1
             && let Some(silent) = silent
         {
-            marks.push(Mark::At {
-                name: "end of the silence".to_owned(),
-                x: silent as f64 * milliseconds,
-            });
+            marks.push(Mark::at("end of the silence", silent as f64 * milliseconds));
         }
     }
     let (label, unit, _) = axis?;

@@ -203,17 +203,10 @@ impl Reasons {
                 .push(line.frequency_hz);
         }
         for (reason, at) in refused {
-            let (first, last) = (at.first(), at.last());
-            log.push(LogEntry {
-                what: format!(
-                    "{} without a modulus: {} to {}",
-                    lines(at.len()),
-                    hertz(first.copied().unwrap_or(f64::NAN)),
-                    hertz(last.copied().unwrap_or(f64::NAN))
-                ),
-                accepted: false,
-                reasons: vec![reason],
-            });
+            let end = |end: Option<&f64>| hertz(end.copied().unwrap_or(f64::NAN));
+            let (first, last) = (end(at.first()), end(at.last()));
+            let lines = format!("{} without a modulus: {first} to {last}", lines(at.len()));
+            log.push(LogEntry::rejected(lines, reason));
         }
         log
     }

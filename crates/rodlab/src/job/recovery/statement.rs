@@ -9,7 +9,7 @@ use cmod::recovery::fit::{
 use super::{Found, RecoverySheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, significant, to_error, with_error};
-use crate::outcome::{LogEntry, Quantity};
+use crate::outcome::Quantity;
 
 /// Number of standard deviations by which χ² of the readings may exceed its expected value. If it
 /// exceeds it by more, the model or the stated errors are wrong.
@@ -218,9 +218,7 @@ fn of_single_tests(
                     });
                 }
             }
-            Err(error) => outcome
-                .log
-                .push(LogEntry::rejected(format!("{name} by itself"), error)),
+            Err(error) => outcome.reject(format!("{name} by itself"), error),
         }
     }
 }

@@ -153,10 +153,7 @@ fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
         Mark::curve("index", Role::First, &time, equilibrium.index.clone()),
     ];
     if let Some(from) = equilibrium.from {
-        index.push(Mark::At {
-            name: "equilibrium".to_owned(),
-            x: 1e6 * from,
-        });
+        index.push(Mark::at("equilibrium", 1e6 * from));
     }
     let of_index = Axis::linear("equilibrium index", "").within([-0.5, 0.5]);
     let panels = vec![
@@ -196,10 +193,7 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
                 && let Some([from, to]) = result.windows.get(window)
             {
                 for (edge, x) in [("begins", from), ("ends", to)] {
-                    marks.push(Mark::At {
-                        name: format!("{name} {edge}"),
-                        x: 1e6 * x,
-                    });
+                    marks.push(Mark::at(format!("{name} {edge}"), 1e6 * x));
                 }
             }
         }
@@ -271,10 +265,10 @@ fn fronts(
         .unwrap_or(("", Role::First));
         marks.push(Mark::curve(name, role, &x, time));
         for gauge in &bar.gauges {
-            marks.push(Mark::At {
-                name: format!("gauge, {name}"),
-                x: sign * gauge.distance.value,
-            });
+            marks.push(Mark::at(
+                format!("gauge, {name}"),
+                sign * gauge.distance.value,
+            ));
         }
     }
     let panel = Panel::new(("distance from the specimen", "m"), ("time", "us"), marks);

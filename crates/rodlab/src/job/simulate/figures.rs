@@ -63,10 +63,7 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
         let points = lines.map(|(f, g)| (1e-3 * f, 10.0 * (g / largest).log10()));
         marks.push(Mark::line(channel.name(), Role::of_series(index), points));
     }
-    marks.push(Mark::At {
-        name: "cut-off of the filter".to_owned(),
-        x: 1e-3 * cutoff_hz,
-    });
+    marks.push(Mark::at("cut-off of the filter", 1e-3 * cutoff_hz));
     let panel = Panel::new(("frequency", "kHz"), ("auto-spectrum", "dB"), marks);
     Ok(Some(
         Figure::new("spectra", "Spectra of the first record", vec![panel])
