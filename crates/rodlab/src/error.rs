@@ -192,6 +192,24 @@ impl RodlabError {
         }
     }
 
+    /// Returns the error for a file or folder at `path` that could not be read.
+    pub(crate) fn read(path: &Path, source: io::Error) -> Self {
+        let path = path.to_path_buf();
+        Self::Read { path, source }
+    }
+
+    /// Returns the error for a file or folder that could not be listed.
+    pub(crate) fn listing(error: glob::GlobError) -> Self {
+        let path = error.path().to_path_buf();
+        Self::read(&path, error.into())
+    }
+
+    /// Returns the error for a file or folder at `path` that could not be written.
+    pub(crate) fn write(path: &Path, source: io::Error) -> Self {
+        let path = path.to_path_buf();
+        Self::Write { path, source }
+    }
+
     /// Returns true if the result could not be written, so that an earlier result remains the
     /// latest.
     #[must_use]

@@ -8,18 +8,18 @@ use crate::RodlabError;
 /// Reads all bytes of the file at `path`.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, RodlabError> {
     of_a_file(path)?;
-    fs::read(path).map_err(|source| failed(path, source))
+    fs::read(path).map_err(|source| RodlabError::read(path, source))
 }
 
 /// Reads the whole text of the file at `path`.
 pub(crate) fn read_text(path: &Path) -> Result<String, RodlabError> {
     of_a_file(path)?;
-    fs::read_to_string(path).map_err(|source| failed(path, source))
+    fs::read_to_string(path).map_err(|source| RodlabError::read(path, source))
 }
 
 fn of_a_file(path: &Path) -> Result<(), RodlabError> {
     let kind = fs::metadata(path)
-        .map_err(|source| failed(path, source))?
+        .map_err(|source| RodlabError::read(path, source))?
         .file_type();
     if kind.is_file() {
         return Ok(());
@@ -28,13 +28,6 @@ fn of_a_file(path: &Path) -> Result<(), RodlabError> {
         path: path.to_path_buf(),
         found: name_of(kind),
     })
-}
-
-fn failed(path: &Path, source: std::io::Error) -> RodlabError {
-    RodlabError::Read {
-        path: path.to_path_buf(),
-        source,
-    }
 }
 
 fn name_of(kind: FileType) -> &'static str {

@@ -252,7 +252,7 @@ pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
                 path: path.to_path_buf(),
             })
         }
-        Err(error) => Err(refusal(path, error.error)),
+        Err(error) => Err(RodlabError::write(path, error.error)),
     }
 }
 
@@ -274,12 +274,12 @@ fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rodl
 /// must be no file that has its name but not its contents.
 fn on_disk(file: &NamedTempFile, path: &Path) -> Result<(), RodlabError> {
     let done = file.as_file().sync_all();
-    done.map_err(|source| refusal(path, source))
+    done.map_err(|source| RodlabError::write(path, source))
 }
 
 /// Writes `bytes` under a temporary name in the folder of `path`; the file is removed when dropped.
 fn written(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
-    let fail = |source: io::Error| refusal(path, source);
+    let fail = |source: io::Error| RodlabError::write(path, source);
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -313,14 +313,7 @@ fn without_path(error: io::Error) -> io::Error {
 fn named(file: NamedTempFile, path: &Path) -> Result<(), RodlabError> {
     match file.persist(path) {
         Ok(_) => Ok(()),
-        Err(error) => Err(refusal(path, error.error)),
-    }
-}
-
-fn refusal(path: &Path, source: io::Error) -> RodlabError {
-    RodlabError::Write {
-        path: path.to_path_buf(),
-        source,
+        Err(error) => Err(RodlabError::write(path, error.error)),
     }
 }
 

@@ -587,8 +587,5 @@ fn say(out: &mut dyn Write, line: &str) -> Result<(), RodlabError> {
 }
 
 fn to_terminal(source: io::Error) -> RodlabError {
-    RodlabError::Write {
-        path: PathBuf::from("the standard output"),
-        source,
-    }
+    RodlabError::write(Path::new("the standard output"), source)
 }

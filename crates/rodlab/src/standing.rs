@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::{Deserialize, Serialize};
 
 /// Standing of a test. It has the same word on the terminal, in reports, summaries and files, and
 /// determines the exit status.
@@ -15,15 +15,19 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 /// | [`InDoubt`](Self::InDoubt) | `in doubt` | 3 |
 /// | [`NotAllowed`](Self::NotAllowed) | `not allowed` | 1 |
 /// | [`WrongInput`](Self::WrongInput) | `wrong input` | 2 |
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Standing {
     /// The data allow an answer, and every check passes.
+    #[serde(rename = "answered")]
     Answered,
     /// There is an answer, but a check fails.
+    #[serde(rename = "in doubt")]
     InDoubt,
     /// The data do not allow an answer.
+    #[serde(rename = "not allowed")]
     NotAllowed,
     /// The sheet, a file or a folder is wrong, so there is no result.
+    #[serde(rename = "wrong input")]
     WrongInput,
 }
 
@@ -62,27 +66,6 @@ impl Standing {
 impl fmt::Display for Standing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.word())
-    }
-}
-
-impl Serialize for Standing {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.word())
-    }
-}
-
-impl<'de> Deserialize<'de> for Standing {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let word = String::deserialize(deserializer)?;
-        let known = Self::ALL
-            .into_iter()
-            .find(|standing| standing.word() == word);
-        known.ok_or_else(|| {
-            let words = Self::ALL.map(Self::word).join("`, `");
-            de::Error::custom(format!(
-                "the standing is `{word}`, expected one of `{words}`"
-            ))
-        })
     }
 }
 

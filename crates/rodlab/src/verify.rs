@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 
+use crate::outcome::InputFile;
+use crate::output::{OutputFile, RESULT, SheetIdentity};
 use crate::{InStep, RodlabError, input, material_file};
-
-/// Name of the file that describes a result.
-const RESULT: &str = "result.json";
 
 /// Comparison of a result with its sheet and its files.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -49,27 +48,9 @@ impl Verified {
 /// The parts of `result.json` that name files.
 #[derive(Debug, Deserialize)]
 struct Written {
-    sheet: Sheet,
-    inputs: Vec<Input>,
-    outputs: Vec<Output>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Sheet {
-    file: String,
-    sha256: String,
-}
-
-#[derive(Debug, Deserialize)]
-struct Input {
-    path: String,
-    sha256: String,
-}
-
-#[derive(Debug, Deserialize)]
-struct Output {
-    file: String,
-    sha256: String,
+    sheet: SheetIdentity,
+    inputs: Vec<InputFile>,
+    outputs: Vec<OutputFile>,
 }
 
 /// Compares the result in `folder` with its files, like [`verify`]. If `folder` is the folder of a
@@ -100,10 +81,7 @@ pub fn verify_all(folder: &Path, sheets: Option<&Path>) -> Result<Vec<Verified>,
 }
 
 fn results_below(folder: &Path, results: &mut Vec<PathBuf>) -> Result<(), RodlabError> {
-    let fail = |source| RodlabError::Read {
-        path: folder.to_path_buf(),
-        source,
-    };
+    let fail = |source| RodlabError::read(folder, source);
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let path = entry.map_err(fail)?.path();
         if path.join(RESULT).is_file() {
@@ -153,13 +131,9 @@ fn verified(
             Err(_) => found.changed.push(format!("{what} {name} is missing")),
         }
     };
-    compare(
-        "the sheet",
-        &written.sheet.file,
-        of_sheet,
-        &written.sheet.sha256,
-    );
-    let advise = sheets.is_none() && !of_sheet.join(&written.sheet.file).exists();
+    let SheetIdentity { file, sha256 } = &written.sheet;
+    compare("the sheet", file, of_sheet, sha256);
+    let advise = sheets.is_none() && !of_sheet.join(file).exists();
     for input in &written.inputs {
         compare("the input", &input.path, of_sheet, &input.sha256);
     }

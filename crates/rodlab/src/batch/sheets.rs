@@ -65,11 +65,9 @@ fn found_at(place: &str) -> Result<Vec<PathBuf>, RodlabError> {
             "a sheet, a folder or a pattern",
         )
     })?;
-    let unreadable = |error: glob::GlobError| RodlabError::Read {
-        path: error.path().to_path_buf(),
-        source: error.into(),
-    };
-    listed.map(|found| found.map_err(unreadable)).collect()
+    listed
+        .map(|found| found.map_err(RodlabError::listing))
+        .collect()
 }
 
 /// A folder or a sheet: its path as given, and its full path without `..`, which contains only
@@ -129,7 +127,7 @@ impl Search {
         if !self.folders.insert(real(&folder.shown)?) || output::holds_result(&folder.shown) {
             return Ok(());
         }
-        let fail = |source| unreadable(&folder.shown, source);
+        let fail = |source| RodlabError::read(&folder.shown, source);
         let entries: Result<Vec<_>, _> = fs::read_dir(&folder.shown).map_err(fail)?.collect();
         let mut entries = entries.map_err(fail)?;
         entries.sort_by_key(fs::DirEntry::file_name);
@@ -181,14 +179,7 @@ fn is_sheet(path: &Path) -> bool {
 fn real(folder: &Path) -> Result<PathBuf, RodlabError> {
     folder
         .canonicalize()
-        .map_err(|source| unreadable(folder, source))
-}
-
-fn unreadable(path: &Path, source: std::io::Error) -> RodlabError {
-    RodlabError::Read {
-        path: path.to_path_buf(),
-        source,
-    }
+        .map_err(|source| RodlabError::read(folder, source))
 }
 
 /// Returns the tests, named after the full paths of their sheets.

@@ -269,10 +269,7 @@ fn results_below(
     prefix: &str,
     rows: &mut Vec<Row>,
 ) -> Result<(), RodlabError> {
-    let fail = |source| RodlabError::Read {
-        path: folder.to_path_buf(),
-        source,
-    };
+    let fail = |source| RodlabError::read(folder, source);
     if row::is_result(folder) {
         let short = folder.strip_prefix(root).unwrap_or(folder);
         let name = format!("{prefix}{}", short.to_string_lossy().replace('\\', "/"));

@@ -46,7 +46,7 @@ impl FolderLock {
 
     fn within(patience: Duration, folder: &Path) -> Result<Self, RodlabError> {
         let path = folder.join(NAME);
-        let fail = |source| super::refusal(&path, source);
+        let fail = |source| RodlabError::write(&path, source);
         let began = Instant::now();
         loop {
             let passage = gate::pass()?;
@@ -99,7 +99,7 @@ impl FolderLock {
         self.file
             .seek(SeekFrom::Start(0))
             .and_then(|_| self.file.read_to_end(&mut bytes))
-            .map_err(|source| super::refusal(&self.path, source))?;
+            .map_err(|source| RodlabError::write(&self.path, source))?;
         let text = String::from_utf8_lossy(&bytes);
         // the first line names the owner; a last line without a line ending is incomplete
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
@@ -125,7 +125,7 @@ impl FolderLock {
             .seek(SeekFrom::End(0))
             .and_then(|_| self.file.write_all(text.as_bytes()))
             .and_then(|()| self.file.sync_all())
-            .map_err(|source| super::refusal(&self.path, source))?;
+            .map_err(|source| RodlabError::write(&self.path, source))?;
         self.unfinished = true;
         Ok(())
     }
@@ -141,7 +141,7 @@ impl FolderLock {
         self.file
             .seek(SeekFrom::Start(0))
             .and_then(|_| self.file.write_all(line.as_bytes()))
-            .map_err(|source| super::refusal(&self.path, source))
+            .map_err(|source| RodlabError::write(&self.path, source))
     }
 }
 

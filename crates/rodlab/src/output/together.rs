@@ -10,9 +10,7 @@ use std::thread;
 use tempfile::NamedTempFile;
 
 use super::lock::FolderLock;
-use super::{
-    EARLIER_REPORT, FAILURE, PART, REPORT, RESULT, named, on_disk, ours, refusal, written,
-};
+use super::{EARLIER_REPORT, FAILURE, PART, REPORT, RESULT, named, on_disk, ours, written};
 use crate::RodlabError;
 
 /// Number of files synchronised with the disk at a time.
@@ -85,7 +83,7 @@ pub(crate) fn replace_by_failure(
     remove(&folder.join(RESULT))?;
     if renamed {
         let new = folder.join(EARLIER_REPORT);
-        fs::rename(folder.join(REPORT), &new).map_err(|source| refusal(&new, source))?;
+        fs::rename(folder.join(REPORT), &new).map_err(|source| RodlabError::write(&new, source))?;
     }
     name_all(folder, &failure, staged)?;
     lock.done();
@@ -119,7 +117,9 @@ pub(crate) fn replace_summary(
 
 fn remove(path: &Path) -> Result<(), RodlabError> {
     match fs::remove_file(path) {
-        Err(source) if source.kind() != ErrorKind::NotFound => Err(refusal(path, source)),
+        Err(source) if source.kind() != ErrorKind::NotFound => {
+            Err(RodlabError::write(path, source))
+        }
         _ => Ok(()),
     }
 }
@@ -127,9 +127,10 @@ fn remove(path: &Path) -> Result<(), RodlabError> {
 fn locked(folder: &Path) -> Result<FolderLock, RodlabError> {
     if folder.is_file() {
         let source = io::Error::new(ErrorKind::NotADirectory, "it is a file, expected a folder");
-        return Err(refusal(folder, source));
+        return Err(RodlabError::write(folder, source));
     }
-    fs::create_dir_all(folder).map_err(|source| refusal(&folder.join(RESULT), source))?;
+    fs::create_dir_all(folder)
+        .map_err(|source| RodlabError::write(&folder.join(RESULT), source))?;
     let lock = FolderLock::of(folder)?;
     remove_parts(folder);
     Ok(lock)
@@ -211,7 +212,7 @@ pub(super) fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabErr
     }
     if found.is_file() && found.permissions().readonly() {
         let source = io::Error::new(ErrorKind::PermissionDenied, "the file is read-only");
-        return Err(refusal(path, source));
+        return Err(RodlabError::write(path, source));
     }
     Ok(())
 }

@@ -54,13 +54,9 @@ pub(super) fn paths<'a>(
                     "a name or a pattern",
                 )
             })?;
-            let mut found: Vec<PathBuf> =
-                listed
-                    .collect::<Result<_, _>>()
-                    .map_err(|error| RodlabError::Read {
-                        path: error.path().to_path_buf(),
-                        source: error.into(),
-                    })?;
+            let mut found: Vec<PathBuf> = listed
+                .collect::<Result<_, _>>()
+                .map_err(RodlabError::listing)?;
             found.sort();
             found
         };
