@@ -7,7 +7,7 @@ use cmod::rheology::{FittedLaw, Law, LawError, MeasuredLaw, RheologicalFit};
 use serde::{Deserialize, Serialize};
 
 use crate::outcome::InputFile;
-use crate::sheet::ValueWithUncertainty;
+use crate::sheet::{ValueWithUncertainty, quoted};
 use crate::{InStep, RodlabError};
 
 /// Name of the file among the results.
@@ -218,16 +218,13 @@ impl MaterialFile {
 impl Entries {
     fn law(&self, what: &str) -> Result<MeasuredLaw, RodlabError> {
         let kinds = Law::all(self.density);
-        let names = || kinds.map(|law| format!("`{law}`")).join(", ");
         let law = kinds
             .into_iter()
             .find(|law| law.to_string() == self.law)
             .ok_or_else(|| {
-                RodlabError::request(
-                    what,
-                    format!("law `{}`", self.law),
-                    format!("one of {}", names()),
-                )
+                let found = format!("law `{}`", self.law);
+                let names = quoted(kinds.map(|law| law.to_string()));
+                RodlabError::request(what, found, format!("one of {names}"))
             })?;
         let values: Vec<f64> = self.parameters.iter().map(|entry| entry.value).collect();
         let reference_omega = self.reference_frequency_hz.map(|f| TAU * f);

@@ -45,27 +45,9 @@ impl NumberFile {
         selector: &Selector,
         field: &str,
     ) -> Result<Column<'_>, RodlabError> {
-        let series = &self.contents.series;
-        let found = match selector {
-            Selector::Number(number) => number.checked_sub(1).and_then(|index| series.get(index)),
-            Selector::Name(name) => series.iter().find(|series| series.name == *name),
-        };
         let field = format!("{field} ({})", self.input.path);
-        match found {
-            Some(series) => Ok(Column { series, field }),
-            None => {
-                let names: Vec<String> = series.iter().map(|s| format!("`{}`", s.name)).collect();
-                let found = match selector {
-                    Selector::Number(number) => format!("column {number}"),
-                    Selector::Name(name) => format!("`{name}`"),
-                };
-                Err(RodlabError::request(
-                    field,
-                    found,
-                    format!("one of the columns {}", names.join(", ")),
-                ))
-            }
-        }
+        let series = selector.column(&self.contents.series, |series| &series.name, &field)?;
+        Ok(Column { series, field })
     }
 }
 

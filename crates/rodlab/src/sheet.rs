@@ -63,7 +63,7 @@ pub use kind::{
 };
 pub use language::Language;
 pub(crate) use language::snake_case;
-pub(crate) use mistake::nearest;
+pub(crate) use mistake::{nearest, quoted};
 pub(crate) use quantity_text::{number_and_unit, value_and_uncertainty};
 pub use stated::{Stated, ValueWithUncertainty, Written};
 pub(crate) use typed::Statement;

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 
-use crate::sheet::{self, Language, plausible};
+use crate::sheet::{self, Language, plausible, quoted};
 use crate::{InStep, RodlabError, input, output};
 
 /// Maximum number of sheets of a sweep.
@@ -251,9 +251,9 @@ fn parts_of<'a>(
             ));
         };
         let Some(axis) = axes.iter().position(|axis| axis.name == name) else {
-            let names: Vec<String> = axes.iter().map(|axis| format!("`{}`", axis.name)).collect();
+            let names = quoted(axes.iter().map(|axis| &axis.name));
             let found = format!("the placeholder `{name}`");
-            let expected = format!("one of the plan: {}", names.join(", "));
+            let expected = format!("one of the plan: {names}");
             return Err(misplaced(path, template, behind, &found, &expected));
         };
         used.insert(axis);

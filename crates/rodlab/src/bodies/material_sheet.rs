@@ -18,7 +18,9 @@ use super::measured_material::MeasuredMaterial;
 use crate::material_file::MaterialFile;
 use crate::outcome::InputFile;
 use crate::sheet::plausible;
-use crate::sheet::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
+use crate::sheet::{
+    Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity, quoted,
+};
 use crate::{InStep, Outcome, RodlabError, input};
 
 /// Frequency \[Hz\] at which the wave speed is checked; it is typical of the resonances of
@@ -336,16 +338,13 @@ pub fn material_called(
     field: &str,
 ) -> Result<Material, RodlabError> {
     let Some(sheet) = materials.get(name) else {
-        let known: Vec<String> = materials.keys().map(|name| format!("`{name}`")).collect();
-        return Err(RodlabError::request(
-            field,
-            format!("`{name}`"),
-            if known.is_empty() {
-                "a material, but `materials` has none".to_owned()
-            } else {
-                format!("one of the materials {}", known.join(", "))
-            },
-        ));
+        let expected = if materials.is_empty() {
+            "a material, but `materials` has none".to_owned()
+        } else {
+            format!("one of the materials {}", quoted(materials.keys()))
+        };
+        let found = format!("`{name}`");
+        return Err(RodlabError::request(field, found, expected));
     };
     sheet.material(&format!("materials: {name}"))
 }

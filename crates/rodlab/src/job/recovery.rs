@@ -26,7 +26,7 @@ use crate::digits::significant;
 use crate::draw::NEEDS_ERRORS;
 use crate::outcome::Setting;
 use crate::outcome::{InputFile, LogEntry, Verdict};
-use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated};
+use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated, quoted};
 use crate::{InStep, Outcome, RodlabError};
 
 /// Sheet of the job.
@@ -236,11 +236,11 @@ fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFi
         return Ok(None);
     };
     let Some(reference) = tests.iter().position(|test| test.name() == asked.reference) else {
-        let names: Vec<String> = tests.iter().map(|t| format!("`{}`", t.name())).collect();
+        let names = quoted(tests.iter().map(RecoveryTest::name));
         return Err(RodlabError::request(
             "paper_procedure.reference",
             format!("`{}`", asked.reference),
-            format!("one of the tests {}", names.join(", ")),
+            format!("one of the tests {names}"),
         ));
     };
     paper_procedure(

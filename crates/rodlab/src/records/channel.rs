@@ -5,7 +5,7 @@ use std::fmt;
 use labio::{BridgeLayout, LabioError, Polarity, Position, Rating, SensorChain, StrainBridge};
 use serde::Deserialize;
 
-use crate::sheet::{self, Coordinate, NotFollowed, Stated, Time};
+use crate::sheet::{self, Coordinate, NotFollowed, Stated, Time, quoted};
 use crate::{InStep, RodlabError};
 
 /// A channel of the files, with its sensor.
@@ -82,9 +82,53 @@ pub enum Selector {
 
 impl fmt::Display for Selector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.as_asked("channel"))
+    }
+}
+
+impl Selector {
+    /// Returns the request for an element of this `kind`, such as `column 3`, or its name.
+    pub(crate) fn as_asked(&self, kind: &str) -> String {
         match self {
-            Self::Number(number) => write!(f, "channel {number}"),
-            Self::Name(name) => write!(f, "`{name}`"),
+            Self::Number(number) => format!("{kind} {number}"),
+            Self::Name(name) => format!("`{name}`"),
+        }
+    }
+
+    /// Returns the elements of `all` with the number or the name, which are several if they have
+    /// the same name.
+    pub(crate) fn matching<'a, T>(&self, all: &'a [T], name: impl Fn(&T) -> &str) -> Vec<&'a T> {
+        match self {
+            Self::Number(number) => {
+                let found = number.checked_sub(1).and_then(|at| all.get(at));
+                found.into_iter().collect()
+            }
+            Self::Name(wanted) => all
+                .iter()
+                .filter(|one| name(one).trim() == wanted.trim())
+                .collect(),
+        }
+    }
+
+    /// Returns the column of `all` with the number or the name; `place` is that of the selector.
+    pub(crate) fn column<'a, T>(
+        &self,
+        all: &'a [T],
+        name: impl Fn(&T) -> &str,
+        place: &str,
+    ) -> Result<&'a T, RodlabError> {
+        let asked = self.as_asked("column");
+        match self.matching(all, &name).as_slice() {
+            [only] => Ok(only),
+            [] => {
+                let expected = format!("one of the columns {}", quoted(all.iter().map(name)));
+                Err(RodlabError::request(place, asked, expected))
+            }
+            _ => Err(RodlabError::request(
+                place,
+                format!("{asked}, the name of several columns"),
+                "the number of the column, from 1",
+            )),
         }
     }
 }

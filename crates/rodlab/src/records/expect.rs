@@ -4,6 +4,7 @@ use labio::{Channel, Quantity, Record};
 
 use crate::RodlabError;
 use crate::outcome::InputFile;
+use crate::sheet::quoted;
 
 /// Returns the channel `name`; `field` is the place of the name in the sheet.
 ///
@@ -17,12 +18,9 @@ pub(crate) fn channel_called<'a>(
 ) -> Result<&'a Channel, RodlabError> {
     let found = channels.iter().find(|channel| channel.name() == name);
     found.ok_or_else(|| {
-        let names: Vec<String> = channels.iter().map(|c| format!("`{}`", c.name())).collect();
-        RodlabError::request(
-            field,
-            format!("`{name}`"),
-            format!("one of the channels {}", names.join(", ")),
-        )
+        let names = quoted(channels.iter().map(Channel::name));
+        let expected = format!("one of the channels {names}");
+        RodlabError::request(field, format!("`{name}`"), expected)
     })
 }
 

@@ -18,6 +18,7 @@ use super::file_set::{FileSet, PartFile};
 use super::files::{self, FoundFile};
 use super::{ChannelSheet, Records, wildcards};
 use crate::RodlabError;
+use crate::sheet::quoted;
 
 /// Mark of a file. Files of different channels with the same mark belong to one hit.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -110,12 +111,7 @@ impl<'a> OwnFiles<'a> {
         let Some((mark, file)) = found.find(|(mark, _)| !other.found.contains_key(mark)) else {
             return Ok(());
         };
-        let patterns: Vec<String> = other
-            .channel
-            .files
-            .iter()
-            .map(|p| format!("`{p}`"))
-            .collect();
+        let patterns = quoted(&other.channel.files);
         let shown: Vec<&str> = other
             .found
             .values()
@@ -135,7 +131,7 @@ impl<'a> OwnFiles<'a> {
         };
         Err(RodlabError::request(
             other.place.as_str(),
-            format!("{}, which matches {matched}", patterns.join(", ")),
+            format!("{patterns}, which matches {matched}"),
             format!(
                 "also the partner of {} of channels[{}], {mark}: every hit needs a file of each channel",
                 file.shown, self.at

@@ -9,6 +9,7 @@ use ndarray::Axis;
 use super::file_set::PartFile;
 use super::{Loaded, Records, told};
 use crate::outcome::InputFile;
+use crate::sheet::quoted;
 use crate::{InStep, RodlabError, cut_short, input};
 
 /// Contents of a file of a hit.
@@ -119,17 +120,14 @@ impl Records {
             let mut of_channel: Vec<&str> = all.iter().filter_map(|i| name_of(*i)).collect();
             of_channel.sort_unstable();
             of_channel.dedup();
-            let quoted: Vec<String> = of_channel.iter().map(|name| format!("`{name}`")).collect();
-            match of_channel.as_slice() {
-                [name] => names.push(*name),
-                _ => {
-                    return Err(RodlabError::request(
-                        format!("{field}.channels[{at}].from"),
-                        format!("{}, which belongs to several points", channel.from),
-                        format!("one of {} ({shown})", quoted.join(", ")),
-                    ));
-                }
-            }
+            let [name] = of_channel.as_slice() else {
+                return Err(RodlabError::request(
+                    format!("{field}.channels[{at}].from"),
+                    format!("{}, which belongs to several points", channel.from),
+                    format!("one of {} ({shown})", quoted(&of_channel)),
+                ));
+            };
+            names.push(*name);
         }
         let picked = found
             .records

@@ -249,42 +249,24 @@ impl ResponseFile {
         selector: &Selector,
         place: &str,
     ) -> Result<&'a Series, RodlabError> {
-        let found = match selector {
-            Selector::Number(number) => number
-                .checked_sub(1)
-                .and_then(|index| contents.series.get(index)),
-            Selector::Name(name) => {
-                let mut named = contents
-                    .series
-                    .iter()
-                    .filter(|series| series.name.trim() == name.trim());
-                match (named.next(), named.next()) {
-                    (Some(only), None) => Some(only),
-                    (None, _) => None,
-                    (Some(_), Some(_)) => {
-                        return Err(RodlabError::request(
-                            place,
-                            format!(
-                                "`{name}`, which is the name of several data sets of {}",
-                                self.file
-                            ),
-                            format!("its number: {}", listed(contents)),
-                        ));
-                    }
-                }
+        let asked = selector.as_asked("data set");
+        let listed = listed(contents);
+        let found = selector.matching(&contents.series, |series| &series.name);
+        match found.as_slice() {
+            [only] => Ok(only),
+            [] => {
+                let expected = format!("{listed} ({})", self.file);
+                Err(RodlabError::request(place, asked, expected))
             }
-        };
-        found.ok_or_else(|| {
-            let shown = match selector {
-                Selector::Number(number) => format!("data set {number}"),
-                Selector::Name(name) => format!("`{name}`"),
-            };
-            RodlabError::request(
-                place,
-                shown,
-                format!("{} ({})", listed(contents), self.file),
-            )
-        })
+            _ => {
+                let found = format!(
+                    "{asked}, which is the name of several data sets of {}",
+                    self.file
+                );
+                let expected = format!("its number: {listed}");
+                Err(RodlabError::request(place, found, expected))
+            }
+        }
     }
 
     /// Returns the lines of a data set, which must be evenly spaced, at multiples of their spacing.

@@ -56,11 +56,9 @@ pub(super) fn did_you_mean(name: &str) -> String {
 }
 
 /// Returns the names in backquotes, separated by commas.
-pub(super) fn quoted<N: AsRef<str>>(names: &[N]) -> String {
-    let quoted: Vec<String> = names
-        .iter()
-        .map(|name| format!("`{}`", name.as_ref()))
-        .collect();
+pub(crate) fn quoted(names: impl IntoIterator<Item: AsRef<str>>) -> String {
+    let names = names.into_iter();
+    let quoted: Vec<String> = names.map(|name| format!("`{}`", name.as_ref())).collect();
     quoted.join(", ")
 }
 

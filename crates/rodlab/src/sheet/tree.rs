@@ -5,7 +5,7 @@ mod ron;
 mod toml;
 
 use super::language::Language;
-use super::mistake::{Mistake, Place};
+use super::mistake::{Mistake, Place, quoted};
 
 /// A value and its place.
 #[derive(Debug, Clone)]
@@ -129,13 +129,9 @@ impl Node {
             Value::List(_) => "a list".to_owned(),
             Value::Table(entries) if entries.is_empty() => "no fields".to_owned(),
             Value::Table(entries) => {
-                let names: Vec<String> = entries
-                    .iter()
-                    .take(4)
-                    .map(|entry| format!("`{}`", entry.name))
-                    .collect();
+                let names = quoted(entries.iter().take(4).map(|entry| &entry.name));
                 let more = if entries.len() > 4 { ", .." } else { "" };
-                format!("the fields {}{more}", names.join(", "))
+                format!("the fields {names}{more}")
             }
             Value::Choice(choice) => format!("`{}`", choice.name),
         }

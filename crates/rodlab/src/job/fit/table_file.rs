@@ -104,35 +104,8 @@ impl TableFile {
 
     /// Returns the column of `selector`, by its name or its number from 1.
     fn column(&self, selector: &Selector, field: &str) -> Result<&TableColumn, RodlabError> {
-        let all = &self.columns.columns;
-        let mut named = all.iter().filter(|column| match selector {
-            Selector::Name(name) => column.name.trim() == name.trim(),
-            Selector::Number(_) => false,
-        });
-        let found = match selector {
-            Selector::Number(number) => number.checked_sub(1).and_then(|at| all.get(at)),
-            Selector::Name(_) => named.next(),
-        };
-        let asked = match selector {
-            Selector::Number(number) => format!("column {number}"),
-            Selector::Name(name) => format!("`{name}`"),
-        };
-        let Some(found) = found else {
-            let names: Vec<String> = all.iter().map(|c| format!("`{}`", c.name)).collect();
-            return Err(RodlabError::request(
-                self.place(field),
-                asked,
-                format!("one of the columns {}", names.join(", ")),
-            ));
-        };
-        if named.next().is_some() {
-            return Err(RodlabError::request(
-                self.place(field),
-                format!("{asked}, the name of several columns"),
-                "the number of the column, from 1",
-            ));
-        }
-        Ok(found)
+        let columns = &self.columns.columns;
+        selector.column(columns, |column| &column.name, &self.place(field))
     }
 
     /// Returns the values of a column in SI units, all finite.

@@ -8,6 +8,7 @@ use crate::RodlabError;
 use crate::digits::hertz;
 use crate::records::Records;
 use crate::sheet::plausible::without_kilo;
+use crate::sheet::quoted;
 
 /// The frequency range of the result.
 #[derive(Debug, Clone, Copy)]
@@ -29,10 +30,7 @@ pub(super) fn outputs_of(
     place: &str,
 ) -> Result<Vec<String>, RodlabError> {
     let names: Vec<&str> = records.channels.iter().map(|c| c.name.as_str()).collect();
-    let expected = || {
-        let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-        format!("one of {place}records.channels: {}", quoted.join(", "))
-    };
+    let expected = || format!("one of {place}records.channels: {}", quoted(&names));
     let inputs = sheet.inputs();
     for (at, input) in inputs.iter().enumerate() {
         let field = match at.checked_sub(1) {

@@ -15,7 +15,7 @@ use crate::job::JobContext;
 use crate::job::modulus::method::{self, FromHits, MethodSheet, Taken};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::outcome::Setting;
-use crate::records::Records;
+use crate::records::{Records, channel_called, expect_motion};
 use crate::sheet::{Duration, Exact, plausible};
 
 /// Minimum number of hits for a coherence. The errors of a single hit, and the errors of gauges,
@@ -274,28 +274,13 @@ fn ratio_refused(error: LabioError) -> RodlabError {
 
 /// Checks that the channels of the method exist and have quantities that the method accepts.
 fn check_channels(method: &MethodSheet, record: &Record) -> Result<(), RodlabError> {
-    let known = record.channels();
     let mut first: Option<(&str, labio::Quantity)> = None;
     for taken in method.channels() {
-        let Some(channel) = known.iter().find(|c| c.name() == taken.channel) else {
-            let names: Vec<String> = known.iter().map(|c| format!("`{}`", c.name())).collect();
-            return Err(RodlabError::request(
-                taken.field,
-                format!("`{}`", taken.channel),
-                format!("one of the channels {}", names.join(", ")),
-            ));
-        };
+        let channel = channel_called(record.channels(), taken.channel, &taken.field)?;
         let quantity = channel.quantity();
         let is = || format!("`{}`, a channel of {}", taken.channel, quantity.name());
-        let motion = matches!(
-            quantity,
-            labio::Quantity::Displacement
-                | labio::Quantity::Velocity
-                | labio::Quantity::Acceleration
-        );
-        if taken.motion && !motion {
-            let expected = "a channel of acceleration, velocity or displacement";
-            return Err(RodlabError::request(taken.field, is(), expected));
+        if taken.motion {
+            expect_motion(record, taken.channel, &taken.field)?;
         }
         if method::of_channel(quantity).is_none() {
             let expected = "a channel of strain or of what is proportional to it (force, stress, volts), of acceleration, velocity or displacement";
