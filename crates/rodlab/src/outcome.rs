@@ -103,6 +103,13 @@ impl Outcome {
         }
     }
 
+    /// Puts the answer in doubt for each of the `reasons`.
+    pub(crate) fn doubt_all(&mut self, reasons: impl IntoIterator<Item: Into<String>>) {
+        for reason in reasons {
+            self.doubt(reason);
+        }
+    }
+
     /// States that the data do not allow an answer; `reason` is a clause without a full stop.
     /// Earlier doubts become the first warnings, because they may explain this.
     pub fn refuse(&mut self, reason: impl Into<String>) {

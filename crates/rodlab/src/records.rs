@@ -40,7 +40,7 @@ use self::part::{Part, record_name};
 use crate::digits::significant;
 use crate::outcome::{InputFile, LogEntry};
 use crate::sheet::{self, Frequency, NotFollowed};
-use crate::{InStep, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Reason why jobs with frequency responses refuse a time skew with an uncertainty.
 pub(crate) const SKEW_NOT_FOLLOWED: &str =
@@ -72,7 +72,7 @@ const IN_SEPARATE_FILES: &str =
 const LARGEST_STRAIN: f64 = 10.0;
 
 /// Records that were read, with their files.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Loaded {
     /// Records with the channels of the sheet, calibrated, in the order of the files.
     pub records: Vec<NamedRecord>,
@@ -82,6 +82,16 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// Log entries for hits that were left out because a sample is NaN or infinite.
     pub left_out: Vec<LogEntry>,
+}
+
+impl Loaded {
+    /// Enters files, warnings and the hits left out in `outcome`, and returns the records.
+    pub(crate) fn entered_in(self, outcome: &mut Outcome) -> Vec<NamedRecord> {
+        outcome.inputs.extend(self.inputs);
+        outcome.warnings.extend(self.warnings);
+        outcome.log.extend(self.left_out);
+        self.records
+    }
 }
 
 /// A record with the name of its source.
@@ -176,12 +186,7 @@ impl Records {
     /// the same content, because they are one measurement.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
         self.check(field)?;
-        let mut loaded = Loaded {
-            records: Vec::new(),
-            inputs: Vec::new(),
-            warnings: Vec::new(),
-            left_out: Vec::new(),
-        };
+        let mut loaded = Loaded::default();
         let mut lost = None;
         let mut statements = Vec::new();
         for set in self.file_sets(folder, field)? {

@@ -44,9 +44,7 @@ impl FoundHits {
         }
         Ok(doubts)
     }
-}
 
-impl FoundHits {
     /// Returns a warning if the impacts are negative in the channel `force`.
     ///
     /// # Errors

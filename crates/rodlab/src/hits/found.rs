@@ -5,8 +5,8 @@ use labio::hits::{Hit, HitLog, Reason, Ruling};
 use serde::Deserialize;
 
 use super::SAMPLING_RATE_TOLERANCE;
-use crate::RodlabError;
 use crate::outcome::{LogEntry, Setting};
+use crate::{Outcome, RodlabError};
 
 /// Treatment of a hit whose response departs from that of the other hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -138,6 +138,23 @@ impl FoundHits {
             .filter(|found| found.hit.is_accepted())
             .filter_map(|found| Some((found.number, found.hit.record()?)))
             .unzip()
+    }
+
+    /// Enters in `outcome` the hits of a hammer, with the doubts about the channels `input` and
+    /// `outputs`. `has_window` is true with a force window, and `from_hz` is the lowest frequency of
+    /// the band.
+    pub(crate) fn judge(
+        &mut self,
+        (input, outputs): (&str, &[&str]),
+        (has_window, from_hz): (bool, Option<f64>),
+        outcome: &mut Outcome,
+    ) -> Result<(), RodlabError> {
+        outcome.doubt_all(self.compare(input, outputs)?);
+        outcome.warnings.extend(self.reversed(input)?);
+        outcome.doubt_all(self.doubts_about_force(input, has_window, from_hz)?);
+        outcome.settings.extend_from_slice(self.settings());
+        outcome.log.extend(self.log());
+        Ok(())
     }
 
     pub(super) fn log_of(&mut self, number: usize) -> Option<(&mut HitLog, usize)> {

@@ -94,9 +94,10 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
     expect_different_files(&outcome.inputs)?;
     let mut channels = vec![sheet.input.as_str()];
     channels.extend(outputs.iter().map(String::as_str));
-    for doubt in expect_independent(&sets.iter().collect::<Vec<_>>(), &channels)? {
-        outcome.doubt(doubt);
-    }
+    outcome.doubt_all(expect_independent(
+        &sets.iter().collect::<Vec<_>>(),
+        &channels,
+    )?);
     let accepted: Vec<Vec<&Record>> = sets.iter().map(FoundHits::accepted).collect();
     let first_hits: Vec<&Record> = accepted.iter().map(|hits| hits[0]).collect();
     let hit = first_hits[0];
@@ -159,9 +160,7 @@ fn find(
     records.refuse_uncertain_skews(&format!("{place}records"), SKEW_NOT_FOLLOWED)?;
     let loaded = records.load(context.folder, &format!("{place}records"))?;
     context.check_cancelled()?;
-    outcome.inputs.extend(loaded.inputs);
-    outcome.warnings.extend(loaded.warnings);
-    outcome.log.extend(loaded.left_out);
+    let loaded = loaded.entered_in(outcome);
     context.progress.begins("judging hits", 0);
     let weigh = |criteria: Criteria| {
         let weighed = match &sheet.exponential_window {
@@ -176,20 +175,11 @@ fn find(
         weighed.in_step("exponential_window")
     };
     let field = format!("{place}hits");
-    let mut found =
-        hits.find_weighed(HitKind::Hammer, weigh, loaded.records, &sheet.input, &field)?;
+    let mut found = hits.find_weighed(HitKind::Hammer, weigh, loaded, &sheet.input, &field)?;
     let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
-    for doubt in found.compare(&sheet.input, &outputs)? {
-        outcome.doubt(doubt);
-    }
-    outcome.warnings.extend(found.reversed(&sheet.input)?);
     let from_hz = sheet.band.as_ref().map(|band| band.from.si());
-    let has_window = sheet.force_window.is_some();
-    for doubt in found.doubts_about_force(&sheet.input, has_window, from_hz)? {
-        outcome.doubt(doubt);
-    }
-    outcome.settings.extend_from_slice(found.settings());
-    outcome.log.extend(found.log());
+    let window = (sheet.force_window.is_some(), from_hz);
+    found.judge((&sheet.input, &outputs), window, outcome)?;
     Ok(found)
 }
 
@@ -431,12 +421,8 @@ fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outc
         ));
     }
     for Named { output, one, .. } in estimated {
-        for said in one
-            .merged
-            .iter()
-            .flat_map(|merged| disagreements(merged, "the second hammer", output))
-        {
-            outcome.doubt(said);
+        if let Some(merged) = &one.merged {
+            outcome.doubt_all(disagreements(merged, "the second hammer", output));
         }
         if let Some((leakage, random)) = one.median_leakage()
             && leakage > random

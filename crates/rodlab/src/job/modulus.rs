@@ -262,9 +262,7 @@ pub(super) fn run_with(
     outcome.summary.extend(measured.in_words.clone());
     outcome.warnings = std::mem::take(&mut measured.warnings);
     // a fault of single hits may cause the later doubts, and is named before them
-    for doubt in &measured.doubts {
-        outcome.doubt(doubt.as_str());
-    }
+    outcome.doubt_all(&measured.doubts);
     context.has_read_all(&outcome.inputs, &outcome.warnings)?;
     let Some(spectra) = &measured.spectra else {
         let reason = measured.missing.clone();

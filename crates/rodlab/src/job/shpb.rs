@@ -111,16 +111,11 @@ fn load(
     let mut loaded = Vec::new();
     for (at, records) in records.iter().enumerate() {
         let field = format!("{field}[{at}]");
-        let mut found = records.load(context.folder, &field)?;
-        outcome.inputs.append(&mut found.inputs);
-        outcome.warnings.append(&mut found.warnings);
-        outcome.log.append(&mut found.left_out);
-        match found.records.as_slice() {
+        let found = records.load(context.folder, &field)?;
+        match found.entered_in(outcome).as_slice() {
             [one] => {
                 let channels: Vec<&str> = one.record.channels().iter().map(|c| c.name()).collect();
-                for doubt in clipped(&one.record, &channels, &field)? {
-                    outcome.doubt(doubt);
-                }
+                outcome.doubt_all(clipped(&one.record, &channels, &field)?);
                 loaded.push(one.record.clone());
             }
             several => {

@@ -206,9 +206,7 @@ impl HitsSource {
             )?;
             expect_motion(record, &self.response, &format!("{field}.response"))?;
         }
-        outcome.inputs.extend(loaded.inputs);
-        outcome.warnings.extend(loaded.warnings);
-        outcome.log.extend(loaded.left_out);
+        let records = loaded.entered_in(outcome);
         let weigh = |criteria: Criteria| match &self.exponential_window {
             None => Ok(criteria),
             Some(weight) => criteria
@@ -216,23 +214,15 @@ impl HitsSource {
                 .in_step(format!("{field}.exponential_window")),
         };
         let place = format!("{field}.hits");
-        let mut found =
-            self.hits
-                .find_weighed(HitKind::Hammer, weigh, loaded.records, &self.force, &place)?;
-        for doubt in found.compare(&self.force, &[&self.response])? {
-            outcome.doubt(doubt);
-        }
-        outcome.warnings.extend(found.reversed(&self.force)?);
-        let has_window = self.force_window.is_some();
-        for doubt in found.doubts_about_force(&self.force, has_window, None)? {
-            outcome.doubt(doubt);
-        }
-        outcome.settings.extend(found.settings().iter().cloned());
+        let kind = HitKind::Hammer;
+        let mut found = (self.hits).find_weighed(kind, weigh, records, &self.force, &place)?;
+        let window = (self.force_window.is_some(), None);
+        found.judge((&self.force, &[&self.response]), window, outcome)?;
         outcome.settings.extend(Self::defaults(field));
-        outcome.log.extend(found.log());
-        for doubt in expect_independent(&[&found], &[&self.force, &self.response])? {
-            outcome.doubt(doubt);
-        }
+        outcome.doubt_all(expect_independent(
+            &[&found],
+            &[&self.force, &self.response],
+        )?);
         Ok(found)
     }
 

@@ -97,9 +97,7 @@ pub(super) fn run(
         );
         return Ok(());
     };
-    for doubt in windows_of_analyser(&[&record], &responses_of(sheet))? {
-        outcome.doubt(doubt);
-    }
+    outcome.doubt_all(windows_of_analyser(&[&record], &responses_of(sheet))?);
     check_lines(
         sheet,
         &record,
@@ -280,17 +278,14 @@ fn read_blow(
             expect_quantity(record, name, Physical::Force, "problem.compare_with")?;
         }
     }
-    outcome.inputs.extend(loaded.inputs);
-    outcome.warnings.extend(loaded.warnings);
-    outcome.log.extend(loaded.left_out);
+    let records = loaded.entered_in(outcome);
     // the beginning of the impact is clearest in a measured force
     let reference = sheet.compare_with.as_ref().unwrap_or(&sheet.response);
-    let found =
-        sheet
-            .hit
-            .clone()
-            .unwrap_or_default()
-            .find(loaded.records, reference, "problem.hit")?;
+    let found = sheet
+        .hit
+        .clone()
+        .unwrap_or_default()
+        .find(records, reference, "problem.hit")?;
     outcome.settings.extend(found.settings().iter().cloned());
     if sheet.hit.is_some() {
         outcome.log.extend(found.log());

@@ -30,9 +30,7 @@ pub(super) fn run(
         .records
         .refuse_uncertain_skews("records", SKEW_NOT_FOLLOWED)?;
     let loaded = sheet.records.load(context.folder, "records")?;
-    outcome.inputs.extend(loaded.inputs);
-    outcome.warnings.extend(loaded.warnings);
-    outcome.log.extend(loaded.left_out);
+    let records = loaded.entered_in(&mut outcome);
     expect_different_files(&outcome.inputs)?;
     let inputs = sheet.inputs();
     let channels: Vec<&str> = inputs
@@ -40,8 +38,8 @@ pub(super) fn run(
         .copied()
         .chain(outputs.iter().map(String::as_str))
         .collect();
-    check_measurements(&loaded.records, &channels, &mut outcome)?;
-    let Some(first) = loaded.records.first().map(|first| &first.record) else {
+    check_measurements(&records, &channels, &mut outcome)?;
+    let Some(first) = records.first().map(|first| &first.record) else {
         return Err(RodlabError::request(
             "records.files",
             "no record",
@@ -62,7 +60,7 @@ pub(super) fn run(
             .in_step("silent")?,
     };
     let averaging = |error| RodlabError::step("averaging segments", error);
-    let whole: Vec<&Record> = loaded.records.iter().map(|named| &named.record).collect();
+    let whole: Vec<&Record> = records.iter().map(|named| &named.record).collect();
     let excited = whole
         .iter()
         .map(|record| record.part(silent..record.n_samples()))

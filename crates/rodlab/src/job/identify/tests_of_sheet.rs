@@ -202,12 +202,10 @@ fn one(
     outcome: &mut Outcome,
 ) -> Result<RodTest, RodlabError> {
     let records_field = format!("{field}.records");
-    let mut loaded = test.records.load(context.folder, &records_field)?;
-    outcome.inputs.append(&mut loaded.inputs);
-    outcome.warnings.append(&mut loaded.warnings);
-    outcome.log.append(&mut loaded.left_out);
-    let found = loaded.records.len();
-    let Some(record) = loaded.records.pop().filter(|_| found == 1) else {
+    let loaded = test.records.load(context.folder, &records_field)?;
+    let mut records = loaded.entered_in(outcome);
+    let found = records.len();
+    let Some(record) = records.pop().filter(|_| found == 1) else {
         return Err(RodlabError::request(
             records_field,
             format!("{found} records"),
@@ -218,9 +216,7 @@ fn one(
     let record = part(record.record, test, with_recorder, field, outcome)?;
     let quantity = quantity_of(&record, test, field)?;
     let channels = [test.excitation.as_str(), test.response.as_str()];
-    for doubt in clipped(&record, &channels, field)? {
-        outcome.doubt(doubt);
-    }
+    outcome.doubt_all(clipped(&record, &channels, field)?);
     let samples = |channel: &str| -> Result<Vec<f64>, RodlabError> {
         let samples = record.channel(channel);
         Ok(samples.in_step(field)?.to_vec())

@@ -84,9 +84,7 @@ pub(super) fn screen(
             Some(lines) => measured(&lines)?.screen(),
             None => body.screen(),
         };
-        for failed in tell(&screening, outcome) {
-            outcome.doubt(failed);
-        }
+        outcome.doubt_all(tell(&screening, outcome));
         Arc::new(body)
     };
     Ok(Screened {

@@ -99,9 +99,7 @@ pub(super) fn read<'a>(
             let [first, second] = &tests;
             check_same_channels(&tests)?;
             let found = [&first.found, &second.found];
-            for doubt in expect_independent(&found, &[&low.force, &low.response])? {
-                outcome.doubt(doubt);
-            }
+            outcome.doubt_all(expect_independent(&found, &[&low.force, &low.response])?);
             outcome.by_default("source.merge", format!("{:?}", MergeSheet::default()));
             Ok(Read::Tests(tests.into()))
         }
@@ -194,9 +192,7 @@ fn of_tests(
     let estimator = source.estimator.unwrap_or_default();
     let (response, merged) = if let SourceSheet::TwoHammers { merge, .. } = &sheet.source {
         let merged = merge.merge(&spectra, estimator, names).in_step("source")?;
-        for said in disagreements(&merged, "the hammer `high`", names.1) {
-            outcome.doubt(said);
-        }
+        outcome.doubt_all(disagreements(&merged, "the hammer `high`", names.1));
         (merged.response.clone(), Some(merged))
     } else {
         let response = first

@@ -266,9 +266,7 @@ fn objections(found: &Found<'_>) -> Vec<String> {
 }
 
 fn warn(outcome: &mut Outcome, found: &Found<'_>) {
-    for objection in objections(found) {
-        outcome.doubt(objection);
-    }
+    outcome.doubt_all(objections(found));
     outcome.warn(
         "The model describes the loss factor at the frequency of the tests and nothing else: its spring moduli are not moduli of the \
          material under creep.",
