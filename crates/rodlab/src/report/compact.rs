@@ -8,56 +8,37 @@
 
 use std::fmt::Write;
 
-use rodfigure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal, unit_as_read};
+use rodfigure::{Axis, Figure, Mark, Panel, Scale, push_decimal, unit_as_read};
 
 /// Number of digits of abscissae and of ordinates.
 const DIGITS: [i32; 2] = [7, 6];
 
 /// Returns `figure` as JSON that is valid inside a page, that is, without `<`.
 pub(super) fn json_of(figure: &Figure) -> String {
-    let mut abscissae: Vec<&[f64]> = Vec::new();
-    let mut panels = String::new();
-    for (index, panel) in figure.panels.iter().enumerate() {
-        comma(&mut panels, index);
-        write_panel(&mut panels, panel, &mut abscissae);
-    }
-    let mut json = String::with_capacity(2 * panels.len());
-    json.push_str("{\"x\":[");
-    for (index, values) in abscissae.iter().enumerate() {
-        comma(&mut json, index);
-        numbers(&mut json, values, DIGITS[0]);
-    }
-    json.push_str("],\"p\":[");
-    json.push_str(&panels);
-    json.push_str("]}");
-    json
+    let mut abscissae = Vec::new();
+    let panels = figure.panels.iter();
+    let panels = list(panels.map(|panel| of_panel(panel, &mut abscissae)));
+    let abscissae = abscissae.into_iter();
+    let abscissae = list(abscissae.map(|values| numbers(values, DIGITS[0])));
+    format!(r#"{{"x":{abscissae},"p":{panels}}}"#)
 }
 
-fn write_panel<'a>(json: &mut String, panel: &'a Panel, abscissae: &mut Vec<&'a [f64]>) {
-    json.push_str("{\"x\":");
-    axis(json, &panel.x);
-    json.push_str(",\"y\":");
-    axis(json, &panel.y);
-    _ = write!(json, ",\"e\":{},\"g\":[", u8::from(panel.equal_axes));
-    for (index, greyed) in panel.greyed.iter().enumerate() {
-        comma(json, index);
-        json.push('[');
-        number(json, greyed.from, DIGITS[0]);
-        json.push(',');
-        number(json, greyed.to, DIGITS[0]);
-        json.push(',');
-        text(json, &greyed.because);
-        json.push(']');
-    }
-    json.push_str("],\"m\":[");
-    for (index, mark) in panel.marks.iter().enumerate() {
-        comma(json, index);
-        write_mark(json, mark, abscissae);
-    }
-    json.push_str("]}");
+fn list(items: impl Iterator<Item = String>) -> String {
+    format!("[{}]", items.collect::<Vec<_>>().join(","))
 }
 
-fn write_mark<'a>(json: &mut String, mark: &'a Mark, abscissae: &mut Vec<&'a [f64]>) {
+fn of_panel<'a>(panel: &'a Panel, abscissae: &mut Vec<&'a [f64]>) -> String {
+    let (x, y) = (axis(&panel.x), axis(&panel.y));
+    let equal = u8::from(panel.equal_axes);
+    let greyed = list(panel.greyed.iter().map(|greyed| {
+        let [from, to] = [greyed.from, greyed.to].map(|end| number(end, DIGITS[0]));
+        format!("[{from},{to},{}]", text(&greyed.because))
+    }));
+    let marks = list(panel.marks.iter().map(|mark| of_mark(mark, abscissae)));
+    format!(r#"{{"x":{x},"y":{y},"e":{equal},"g":{greyed},"m":{marks}}}"#)
+}
+
+fn of_mark<'a>(mark: &'a Mark, abscissae: &mut Vec<&'a [f64]>) -> String {
     let (kind, name, role, x, y, z): (_, _, _, &'a [f64], &[f64], &[f64]) = match mark {
         Mark::Line { name, role, x, y } => ('l', name, role, x, y, &[]),
         Mark::Points {
@@ -75,81 +56,50 @@ fn write_mark<'a>(json: &mut String, mark: &'a Mark, abscissae: &mut Vec<&'a [f6
             upper,
         } => ('b', name, role, x, lower, upper),
         Mark::At { name, x } => {
-            json.push_str("{\"t\":\"a\",\"n\":");
-            text(json, name);
-            json.push_str(",\"v\":");
-            number(json, *x, DIGITS[0]);
-            json.push('}');
-            return;
+            let (name, x) = (text(name), number(*x, DIGITS[0]));
+            return format!(r#"{{"t":"a","n":{name},"v":{x}}}"#);
         }
     };
-    let which = abscissae
-        .iter()
-        .position(|known| same(known, x))
-        .unwrap_or_else(|| {
-            abscissae.push(x);
-            abscissae.len() - 1
-        });
-    _ = write!(
-        json,
-        "{{\"t\":\"{kind}\",\"r\":{},\"n\":",
-        role_number(*role)
-    );
-    text(json, name);
-    _ = write!(json, ",\"x\":{which},\"y\":");
-    numbers(json, y, DIGITS[1]);
-    if !z.is_empty() {
-        json.push_str(",\"z\":");
-        numbers(json, z, DIGITS[1]);
+    // bit by bit, so that a NaN is equal to itself
+    let bits = |values: &'a [f64]| values.iter().map(|value| value.to_bits());
+    let known = abscissae.iter().position(|known| bits(known).eq(bits(x)));
+    let which = known.unwrap_or(abscissae.len());
+    if known.is_none() {
+        abscissae.push(x);
     }
-    json.push('}');
+    let (role, name, y) = (*role as u8, text(name), numbers(y, DIGITS[1]));
+    let z = match z {
+        [] => String::new(),
+        z => format!(r#","z":{}"#, numbers(z, DIGITS[1])),
+    };
+    format!(r#"{{"t":"{kind}","r":{role},"n":{name},"x":{which},"y":{y}{z}}}"#)
 }
 
-/// Returns true if the values are equal bit by bit; a NaN is then equal to itself.
-fn same(one: &[f64], other: &[f64]) -> bool {
-    one.len() == other.len()
-        && one
-            .iter()
-            .zip(other)
-            .all(|(a, b)| a.to_bits() == b.to_bits())
+fn axis(axis: &Axis) -> String {
+    let (label, unit) = (text(&axis.label), text(&unit_as_read(&axis.unit)));
+    let scale = u8::from(axis.scale == Scale::Logarithmic);
+    let range = axis.range.map_or_else(String::new, |range| {
+        format!(r#","r":{}"#, numbers(&range, DIGITS[0]))
+    });
+    format!(r#"{{"l":{label},"u":{unit},"s":{scale}{range}}}"#)
 }
 
-fn role_number(role: Role) -> u8 {
-    match role {
-        Role::First => 0,
-        Role::Second => 1,
-        Role::Third => 2,
-        Role::Fourth => 3,
-        Role::Fifth => 4,
-        Role::Reference => 5,
-        Role::Faint => 6,
-    }
-}
-
-fn axis(json: &mut String, axis: &Axis) {
-    json.push_str("{\"l\":");
-    text(json, &axis.label);
-    json.push_str(",\"u\":");
-    text(json, &unit_as_read(&axis.unit));
-    _ = write!(
-        json,
-        ",\"s\":{}",
-        u8::from(axis.scale == Scale::Logarithmic)
-    );
-    if let Some(range) = axis.range {
-        json.push_str(",\"r\":");
-        numbers(json, &range, DIGITS[0]);
-    }
-    json.push('}');
-}
-
-fn numbers(json: &mut String, values: &[f64], digits: i32) {
-    json.push('[');
+fn numbers(values: &[f64], digits: i32) -> String {
+    let mut json = String::from("[");
     for (index, &value) in values.iter().enumerate() {
-        comma(json, index);
-        number(json, value, digits);
+        if index > 0 {
+            json.push(',');
+        }
+        push_number(&mut json, value, digits);
     }
     json.push(']');
+    json
+}
+
+fn number(value: f64, digits: i32) -> String {
+    let mut json = String::new();
+    push_number(&mut json, value, digits);
+    json
 }
 
 /// Writes `value` with this number of digits, in as few characters as possible; `null` if it is not
@@ -158,7 +108,7 @@ fn numbers(json: &mut String, values: &[f64], digits: i32) {
     clippy::cast_possible_truncation,
     reason = "the power of ten of a number lies between -324 and 308, and seven digits are far below the greatest integer"
 )]
-fn number(json: &mut String, value: f64, digits: i32) {
+fn push_number(json: &mut String, value: f64, digits: i32) {
     if !value.is_finite() {
         json.push_str("null");
         return;
@@ -188,38 +138,17 @@ fn number(json: &mut String, value: f64, digits: i32) {
     }
 }
 
-fn text(json: &mut String, text: &str) {
-    json.push('"');
-    for c in text.chars() {
-        match c {
-            '"' => json.push_str("\\\""),
-            '\\' => json.push_str("\\\\"),
-            // these characters are escaped, because `</script>` and `<!--` end or change a script
-            // of any type
-            '<' | '>' | '&' | '\0'..='\u{1f}' => {
-                _ = write!(json, "\\u{:04x}", u32::from(c));
-            }
-            c => json.push(c),
-        }
-    }
-    json.push('"');
-}
-
-fn comma(json: &mut String, index: usize) {
-    if index > 0 {
-        json.push(',');
-    }
+/// Returns `text` as a JSON string. It contains none of the characters that end or change a script
+/// of any type, as in `</script>` and `<!--`.
+fn text(text: &str) -> String {
+    let json = serde_json::Value::from(text).to_string();
+    let json = json.replace('<', "\\u003c").replace('>', "\\u003e");
+    json.replace('&', "\\u0026")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn written(value: f64, digits: i32) -> String {
-        let mut json = String::new();
-        number(&mut json, value, digits);
-        json
-    }
 
     #[test]
     fn a_number_is_written_by_its_digits_alone() {
@@ -236,7 +165,7 @@ mod tests {
             f64::NAN,
             f64::NEG_INFINITY,
         ]
-        .map(|value| written(value, 6))
+        .map(|value| number(value, 6))
         .join(" ");
         assert_eq!(
             shown,
@@ -248,16 +177,15 @@ mod tests {
     fn rounding_is_to_half_of_the_last_digit_whatever_the_number() {
         proptest::proptest!(|(mantissa in 1.0_f64..10.0, power in -15_i32..15)| {
             let value = mantissa * 10_f64.powi(power);
-            let read: f64 = written(value, 6).parse().unwrap();
+            let read: f64 = number(value, 6).parse().unwrap();
             proptest::prop_assert!((read / value - 1.0).abs() <= 5.1e-6, "{value} is written as {read}");
-            proptest::prop_assert!(written(value, 6).len() <= 13, "{}", written(value, 6));
+            proptest::prop_assert!(number(value, 6).len() <= 13, "{}", number(value, 6));
         });
     }
 
     #[test]
     fn no_text_ends_a_script() {
-        let mut json = String::new();
-        text(&mut json, "</script><!-- \"\\ & \u{7}");
+        let json = text("</script><!-- \"\\ & \u{7}");
         assert!(!json.contains('<') && !json.contains('&'), "{json}");
         let read: String = serde_json::from_str(&json).unwrap();
         assert_eq!(read, "</script><!-- \"\\ & \u{7}");
