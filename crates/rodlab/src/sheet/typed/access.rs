@@ -10,7 +10,7 @@ use serde::de::{
 use super::super::language::Language;
 use super::super::mistake::{did_you_mean, nearest, quoted};
 use super::super::tree::{Entry, Node, Value};
-use super::reading::{Reading, read_value};
+use super::reading::{Reading, Step, read_value};
 use super::{Fault, Filler};
 
 /// Values of a list.
@@ -38,12 +38,8 @@ impl<'de> SeqAccess<'de> for Values<'_> {
         let Some((index, node)) = self.nodes.next() else {
             return Ok(None);
         };
-        let reading = Reading {
-            node,
-            at: &self.list.at.index(index),
-            pass: self.list.pass,
-        };
-        read_value(seed, reading).map(Some)
+        let at = self.list.at.to(Step::Index(index));
+        read_value(seed, self.list.part(node, &at)).map(Some)
     }
 }
 
@@ -123,7 +119,12 @@ impl<'a> Fields<'a> {
         if !table.pass.filled.is_empty() {
             for name in known {
                 let is_missing = !fields.iter().any(|(taken, _)| taken == name);
-                if is_missing && table.pass.filled.contains(&table.at.name(name).to_string()) {
+                if is_missing
+                    && table
+                        .pass
+                        .filled
+                        .contains(&table.at.to(Step::Name(name)).to_string())
+                {
                     fields.push((name, None));
                 }
             }
@@ -137,23 +138,16 @@ impl<'a> Fields<'a> {
 }
 
 fn note(table: &Reading<'_>, entry: &Entry, problem: &str, advice: Option<String>) {
-    let at = Reading {
-        node: &entry.node,
-        at: &table.at.name(&entry.name),
-        pass: table.pass,
-    };
-    let fault = Fault::new(problem, advice).at_place(&entry.name_place, &at);
+    let at = table.at.to(Step::Name(&entry.name));
+    let reading = table.part(&entry.node, &at);
+    let fault = Fault::new(problem, advice).at_place(&entry.name_place, &reading);
     let mistake = fault.into_mistake(table.pass.language);
     table.pass.noted.borrow_mut().push(mistake);
 }
 
 fn note_second(table: &Reading<'_>, entry: &Entry) {
-    note(
-        table,
-        entry,
-        &format!("the field `{}` is stated twice", entry.name),
-        None,
-    );
+    let problem = format!("the field `{}` is stated twice", entry.name);
+    note(table, entry, &problem, None);
 }
 
 impl<'de> MapAccess<'de> for Fields<'_> {
@@ -173,12 +167,8 @@ impl<'de> MapAccess<'de> for Fields<'_> {
     fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Fault> {
         match self.value.take() {
             Some(Some((name, node))) => {
-                let reading = Reading {
-                    node,
-                    at: &self.table.at.name(name),
-                    pass: self.table.pass,
-                };
-                read_value(seed, reading)
+                let at = self.table.at.to(Step::Name(name));
+                read_value(seed, self.table.part(node, &at))
             }
             Some(None) => seed.deserialize(Filler::default()),
             None => Err(Fault::custom("a value without its name")),

@@ -44,10 +44,8 @@ impl Fault {
 
     /// Creates the fault that `found` is not the expected value.
     pub(super) fn found(found: &Node, expected: &str) -> Self {
-        Self::new(
-            format!("found {}, expected {expected}", found.in_words()),
-            None,
-        )
+        let problem = format!("found {}, expected {expected}", found.in_words());
+        Self::new(problem, None)
     }
 
     /// Gives the fault the place of `reading`, unless it has one.
@@ -135,14 +133,8 @@ impl de::Error for Fault {
     }
 
     fn invalid_type(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        Self::new(
-            format!(
-                "found {}, expected {}",
-                words_of(found),
-                in_words(&expected.to_string())
-            ),
-            None,
-        )
+        let (found, expected) = (words_of(found), in_words(&expected.to_string()));
+        Self::new(format!("found {found}, expected {expected}"), None)
     }
 
     fn invalid_value(found: Unexpected<'_>, expected: &dyn Expected) -> Self {

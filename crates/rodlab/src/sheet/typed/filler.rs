@@ -1,9 +1,9 @@
 //! Placeholders for faulty values, so that a sheet can be read to its end. A sheet with
 //! placeholders is discarded after its faults are listed.
 
-use serde::de::value::StrDeserializer;
+use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
 use serde::de::{
-    DeserializeSeed, EnumAccess, Error as _, MapAccess, SeqAccess, VariantAccess, Visitor,
+    DeserializeSeed, EnumAccess, Error as _, IntoDeserializer, VariantAccess, Visitor,
 };
 use serde::{Deserializer, forward_to_deserialize_any};
 
@@ -55,15 +55,7 @@ impl<'de> Deserializer<'de> for Filler {
     }
 
     forward_to_deserialize_any! {
-        i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 bytes byte_buf
-    }
-
-    fn deserialize_unit_struct<V: Visitor<'de>>(
-        self,
-        _name: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
-        visitor.visit_unit()
+        i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 bytes byte_buf unit_struct tuple_struct
     }
 
     fn deserialize_newtype_struct<V: Visitor<'de>>(
@@ -79,33 +71,16 @@ impl<'de> Deserializer<'de> for Filler {
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_seq(Repeated {
-            of: self.inner()?,
-            left: 0,
-        })
+        self.deserialize_tuple(0, visitor)
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_seq(Repeated {
-            of: self.inner()?,
-            left: len,
-        })
-    }
-
-    fn deserialize_tuple_struct<V: Visitor<'de>>(
-        self,
-        _name: &'static str,
-        len: usize,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
-        self.deserialize_tuple(len, visitor)
+        let values = std::iter::repeat_n(self.inner()?, len);
+        visitor.visit_seq(SeqDeserializer::new(values))
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_map(Fields {
-            of: self.inner()?,
-            names: [].iter(),
-        })
+        self.deserialize_struct("", &[], visitor)
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -114,10 +89,9 @@ impl<'de> Deserializer<'de> for Filler {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        visitor.visit_map(Fields {
-            of: self.inner()?,
-            names: fields.iter(),
-        })
+        let filler = self.inner()?;
+        let fields = fields.iter().map(|name| (*name, filler));
+        visitor.visit_map(MapDeserializer::new(fields))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -136,47 +110,11 @@ impl<'de> Deserializer<'de> for Filler {
     }
 }
 
-struct Repeated {
-    of: Filler,
-    left: usize,
-}
+impl IntoDeserializer<'_, Fault> for Filler {
+    type Deserializer = Self;
 
-impl<'de> SeqAccess<'de> for Repeated {
-    type Error = Fault;
-
-    fn next_element_seed<T: DeserializeSeed<'de>>(
-        &mut self,
-        seed: T,
-    ) -> Result<Option<T::Value>, Fault> {
-        match self.left.checked_sub(1) {
-            Some(left) => {
-                self.left = left;
-                seed.deserialize(self.of).map(Some)
-            }
-            None => Ok(None),
-        }
-    }
-}
-
-struct Fields {
-    of: Filler,
-    names: std::slice::Iter<'static, &'static str>,
-}
-
-impl<'de> MapAccess<'de> for Fields {
-    type Error = Fault;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, Fault> {
-        let name = self.names.next();
-        name.map(|name| seed.deserialize(StrDeserializer::new(name)))
-            .transpose()
-    }
-
-    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Fault> {
-        seed.deserialize(self.of)
+    fn into_deserializer(self) -> Self {
+        self
     }
 }
 

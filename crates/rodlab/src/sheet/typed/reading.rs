@@ -20,7 +20,7 @@ pub(super) struct At<'a> {
 }
 
 #[derive(Debug)]
-enum Step<'a> {
+pub(super) enum Step<'a> {
     /// The root, or a step that adds nothing to the path. An example is the step to the settings of
     /// the job in TOML and JSON, because they are fields of the root.
     Stay,
@@ -36,18 +36,10 @@ impl<'a> At<'a> {
         step: Step::Stay,
     };
 
-    pub(super) fn name(&'a self, name: &'a str) -> Self {
-        Self {
-            outer: Some(self),
-            step: Step::Name(name),
-        }
-    }
-
-    fn choice(&'a self, name: &'a str) -> Self {
-        Self {
-            outer: Some(self),
-            step: Step::Choice(name),
-        }
+    /// Returns the path to a part of the value at this path.
+    pub(super) fn to(&'a self, step: Step<'a>) -> Self {
+        let outer = Some(self);
+        Self { outer, step }
     }
 
     /// Returns the path without the names of choices: `method.free_end`.
@@ -63,20 +55,6 @@ impl<'a> At<'a> {
             Step::Index(index) => place.push_str(&format!("[{index}]")),
         }
         place
-    }
-
-    pub(super) fn index(&'a self, index: usize) -> Self {
-        Self {
-            outer: Some(self),
-            step: Step::Index(index),
-        }
-    }
-
-    pub(super) fn stay(&'a self) -> Self {
-        Self {
-            outer: Some(self),
-            step: Step::Stay,
-        }
     }
 
     fn is_root(&self) -> bool {
@@ -116,7 +94,7 @@ pub(super) fn read_value<'de, T: DeserializeSeed<'de>>(
         reading.note_value();
         seed.deserialize(reading)
     };
-    value.map_err(|fault| fault.at(&reading))
+    reading.placed(value)
 }
 
 /// A name with its place.
@@ -127,6 +105,16 @@ struct Name<'a> {
 }
 
 impl<'a> Reading<'a> {
+    /// Returns the value `node` at the path `at`, in the same pass.
+    pub(super) fn part(self, node: &'a Node, at: &'a At<'a>) -> Self {
+        Self { node, at, ..self }
+    }
+
+    /// Gives the fault of a result the place of the value, unless it has one.
+    fn placed<T>(&self, result: Result<T, Fault>) -> Result<T, Fault> {
+        result.map_err(|fault| fault.at(self))
+    }
+
     /// Notes a value without parts as a statement of the sheet; the values of a list form one
     /// statement.
     fn note_value(&self) {
@@ -176,27 +164,18 @@ impl<'a> Reading<'a> {
     ) -> Result<V::Value, Fault> {
         match &self.node.value {
             Value::Table(entries) => {
-                let access = Fields::new(self, entries, fields);
-                visitor
-                    .visit_map(access)
-                    .map_err(|fault: Fault| fault.at(&self))
+                self.placed(visitor.visit_map(Fields::new(self, entries, fields)))
             }
             // in a choice without settings, every setting has its default
-            Value::Nothing => visitor
-                .visit_map(Fields::new(self, &[], fields))
-                .map_err(|fault: Fault| fault.at(&self)),
+            Value::Nothing => self.placed(visitor.visit_map(Fields::new(self, &[], fields))),
             // the name of the type itself may be written, as in `Sweep(..)`
             Value::Choice(Choice {
                 name: written,
                 content: Some(content),
                 ..
             }) if *written == self.pass.language.name_of(name) => {
-                let inside = Reading {
-                    node: content,
-                    at: &self.at.stay(),
-                    pass: self.pass,
-                };
-                inside.fields("", fields, visitor)
+                let at = self.at.to(Step::Stay);
+                self.part(content, &at).fields("", fields, visitor)
             }
             _ => Err(self.refused(match self.pass.language {
                 Language::Ron => "fields in round brackets, such as `(name: value)`",
@@ -251,7 +230,7 @@ macro_rules! texts {
     ($($method:ident)*) => {$(
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
             match &self.node.value {
-                Value::Text(text) => self.text(text, visitor).map_err(|fault: Fault| fault.at(&self)),
+                Value::Text(text) => self.text(text, visitor),
                 _ => Err(self.refused("text in quotes")),
             }
         }
@@ -262,7 +241,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
     type Error = Fault;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let value = match &self.node.value {
+        match &self.node.value {
             Value::Nothing => visitor.visit_unit(),
             Value::Bool(value) => visitor.visit_bool(*value),
             Value::Integer(number) => visitor.visit_i64(*number),
@@ -275,8 +254,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
                 let found = self.node.in_words();
                 Err(Fault::invalid_type(Unexpected::Other(&found), &visitor))
             }
-        };
-        value.map_err(|fault: Fault| fault.at(&self))
+        }
     }
 
     numbers! {
@@ -285,10 +263,6 @@ impl<'de> Deserializer<'de> for Reading<'_> {
     }
 
     texts! { deserialize_char deserialize_str deserialize_string deserialize_identifier }
-
-    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.deserialize_f64(visitor)
-    }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.node.value {
@@ -306,7 +280,8 @@ impl<'de> Deserializer<'de> for Reading<'_> {
         }
     }
 
-    forward_to_deserialize_any! { bytes byte_buf }
+    // no sheet has values of these types
+    forward_to_deserialize_any! { f32 bytes byte_buf unit_struct tuple_struct }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.node.value {
@@ -323,14 +298,6 @@ impl<'de> Deserializer<'de> for Reading<'_> {
         }
     }
 
-    fn deserialize_unit_struct<V: Visitor<'de>>(
-        self,
-        _name: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
-        self.deserialize_unit(visitor)
-    }
-
     fn deserialize_newtype_struct<V: Visitor<'de>>(
         self,
         name: &'static str,
@@ -345,41 +312,27 @@ impl<'de> Deserializer<'de> for Reading<'_> {
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match &self.node.value {
-            Value::List(nodes) => visitor
-                .visit_seq(Values::new(self, nodes))
-                .map_err(|fault: Fault| fault.at(&self)),
+            Value::List(nodes) => visitor.visit_seq(Values::new(self, nodes)),
             _ => Err(self.refused("a list in square brackets")),
         }
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Fault> {
         match &self.node.value {
-            Value::List(nodes) if nodes.len() == len => visitor
-                .visit_seq(Values::new(self, nodes))
-                .map_err(|fault: Fault| fault.at(&self)),
-            Value::List(nodes) => Err(Fault::new(
-                format!("found {} values, expected {len}", nodes.len()),
-                None,
-            )
-            .at(&self)),
+            Value::List(nodes) if nodes.len() == len => {
+                self.placed(visitor.visit_seq(Values::new(self, nodes)))
+            }
+            Value::List(nodes) => {
+                let found = format!("found {} values, expected {len}", nodes.len());
+                Err(Fault::new(found, None).at(&self))
+            }
             _ => Err(self.refused(&format!("{len} values in brackets"))),
         }
     }
 
-    fn deserialize_tuple_struct<V: Visitor<'de>>(
-        self,
-        _name: &'static str,
-        len: usize,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
-        self.deserialize_tuple(len, visitor)
-    }
-
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match &self.node.value {
-            Value::Table(entries) => visitor
-                .visit_map(Fields::all(self, entries))
-                .map_err(|fault: Fault| fault.at(&self)),
+            Value::Table(entries) => visitor.visit_map(Fields::all(self, entries)),
             _ => Err(self.refused(match self.pass.language {
                 Language::Ron => "names with their values in braces, such as `{\"name\": value}`",
                 Language::Toml => "a table of names with their values",
@@ -454,11 +407,11 @@ impl<'de> Deserializer<'de> for Reading<'_> {
             *variant
         };
         let is_job = self.at.is_root() && language != Language::Ron;
-        let at = if is_job {
-            self.at.stay()
+        let at = self.at.to(if is_job {
+            Step::Stay
         } else {
-            self.at.choice(name.text)
-        };
+            Step::Choice(name.text)
+        });
         if !self.at.is_root() {
             match content {
                 Some(_) => self.note_statement(variant),
@@ -470,16 +423,8 @@ impl<'de> Deserializer<'de> for Reading<'_> {
             value: Value::Nothing,
             place: name.place.clone(),
         };
-        visitor
-            .visit_enum(Chosen {
-                variant,
-                content: Reading {
-                    node: content.unwrap_or(&nothing),
-                    at: &at,
-                    pass: self.pass,
-                },
-            })
-            .map_err(|fault: Fault| fault.at(&self))
+        let content = self.part(content.unwrap_or(&nothing), &at);
+        visitor.visit_enum(Chosen { variant, content })
     }
 
     fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
