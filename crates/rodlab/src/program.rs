@@ -90,17 +90,15 @@ fn dispatch(
         Command::Job(job) => {
             let (job, command) = job.sheet()?;
             let words = (arguments.quiet, arguments.json);
-            one_sheet(job, &command, words, interrupted, out, err)
+            return one_sheet(job, &command, words, interrupted, out, err);
         }
         Command::Inspect { file } => {
             let found = inspect(file)?;
             if arguments.json {
                 print_json(&found, out)?;
             } else {
-                out.write_all(found.to_text().as_bytes())
-                    .map_err(to_terminal)?;
+                print(found.to_text().as_bytes(), out)?;
             }
-            Ok(Ending::DONE)
         }
         Command::Convert {
             input,
@@ -108,13 +106,8 @@ fn dispatch(
             options,
         } => {
             let done = convert(input, output, options.options())?;
-            if arguments.json {
-                print_json(&done, out)?;
-            } else if !arguments.quiet {
-                out.write_all(done.to_text(input, output).as_bytes())
-                    .map_err(to_terminal)?;
-            }
-            Ok(Ending::DONE)
+            let text = || done.to_text(input, output);
+            tell(arguments, &done, text, out)?;
         }
         Command::Init {
             job,
@@ -124,13 +117,10 @@ fn dispatch(
         } => {
             let job = job.or(rig.map(Rig::job)).ok_or_else(|| {
                 let jobs = JobName::ALL.map(JobName::name).join("`, `");
-                RodlabError::request(
-                    "the job of the new sheet",
-                    "not stated",
-                    format!(
-                        "one of `{jobs}`: `rodlab init JOB`; or a rig: `rodlab init --rig RIG`"
-                    ),
-                )
+                let expected = format!(
+                    "one of `{jobs}`: `rodlab init JOB`; or a rig: `rodlab init --rig RIG`"
+                );
+                RodlabError::request("the job of the new sheet", "not stated", expected)
             })?;
             let extension = if *ron { Language::Ron } else { Language::Toml }.extension();
             let path = path
@@ -146,54 +136,36 @@ fn dispatch(
             templates::init(job, *rig, &path)?;
             if !arguments.quiet {
                 let path = path.display();
-                say(
-                    out,
-                    &format!("{path} is written: fill it in, then run `rodlab check {path}`"),
-                )?;
+                let next = format!("fill it in, then run `rodlab check {path}`");
+                say(out, &format!("{path} is written: {next}"))?;
             }
-            Ok(Ending::DONE)
         }
-        Command::Demo { folder } => demo(folder, arguments, interrupted, out, err),
-        Command::Check { sheets } => check(sheets, arguments.quiet, interrupted, out, err),
-        Command::List { sheets } => list(sheets, arguments, interrupted, out),
+        Command::Demo { folder } => return demo(folder, arguments, interrupted, out, err),
+        Command::Check { sheets } => return check(sheets, arguments.quiet, interrupted, out, err),
+        Command::List { sheets } => return list(sheets, arguments, interrupted, out),
         Command::Verify { results, sheets } => {
             let found = results
                 .iter()
                 .map(|folder| verify_all(folder, sheets.as_deref()))
                 .collect::<Result<Vec<_>, _>>()?
                 .concat();
-            if arguments.json {
-                print_json(&found, out)?;
-            } else if !arguments.quiet {
-                for line in found.iter().flat_map(Verified::in_words) {
-                    say(out, &line)?;
-                }
+            let words = || in_lines(found.iter().flat_map(Verified::in_words));
+            tell(arguments, &found, words, out)?;
+            if !found.iter().all(Verified::is_as_it_was) {
+                return Ok(Ending::With(Standing::InDoubt));
             }
-            let same = found.iter().all(Verified::is_as_it_was);
-            Ok(Ending::With(if same {
-                Standing::Answered
-            } else {
-                Standing::InDoubt
-            }))
         }
         Command::View { sheet, port } => {
             let view = View::of(sheet, *port)?;
-            say(
-                out,
-                &format!("Open {} in a browser; Ctrl+C ends.", view.address()),
-            )?;
+            let address = view.address();
+            say(out, &format!("Open {address} in a browser; Ctrl+C ends."))?;
             view.serve(interrupted)?;
-            Ok(Ending::DONE)
         }
         Command::Sweep { plan, out: folder } => {
             let sweep = batch::sweep(plan, folder.as_deref())?;
-            if arguments.json {
-                print_json(&sweep, out)?;
-            } else if !arguments.quiet {
-                let (count, folder) = (sweep.sheets.len(), sweep.folder.display());
-                say(out, &format!("{count} sheets and sweep.csv in {folder}"))?;
-            }
-            Ok(Ending::DONE)
+            let (count, folder) = (sweep.sheets.len(), sweep.folder.display());
+            let words = || format!("{count} sheets and sweep.csv in {folder}\n");
+            tell(arguments, &sweep, words, out)?;
         }
         Command::Batch {
             sheets,
@@ -210,20 +182,19 @@ fn dispatch(
                 shard: *shard,
                 tables: *tables,
             };
-            many_sheets(&batch, jobs.map(Into::into), arguments, interrupted, out)
+            return many_sheets(&batch, jobs.map(Into::into), arguments, interrupted, out);
         }
         Command::Merge { folders, out: into } => {
             let summary = batch::collect(folders)?;
             let into = into.as_ref().or(folders.first());
             let into = into.map_or(Path::new("."), PathBuf::as_path);
             batch::write_summary(&summary, into)?;
-            conclude(&summary, into, arguments, out)
+            return conclude(&summary, into, arguments, out);
         }
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "rodlab", &mut text);
-            out.write_all(&text).map_err(to_terminal)?;
-            Ok(Ending::DONE)
+            print(&text, out)?;
         }
         Command::Man { folder } => {
             let pages = manual()?;
@@ -231,14 +202,32 @@ fn dispatch(
                 output::write_whole(&folder.join(name), page)?;
             }
             if !arguments.quiet {
-                say(
-                    out,
-                    &format!("{} pages in {}", pages.len(), folder.display()),
-                )?;
+                let (count, folder) = (pages.len(), folder.display());
+                say(out, &format!("{count} pages in {folder}"))?;
             }
-            Ok(Ending::DONE)
         }
     }
+    Ok(Ending::DONE)
+}
+
+/// Prints `what` as JSON or in `words`, as the command line requests.
+fn tell(
+    arguments: &Arguments,
+    what: &impl serde::Serialize,
+    words: impl FnOnce() -> String,
+    out: &mut dyn Write,
+) -> Result<(), RodlabError> {
+    if arguments.json {
+        print_json(what, out)
+    } else if arguments.quiet {
+        Ok(())
+    } else {
+        print(words().as_bytes(), out)
+    }
+}
+
+fn in_lines(lines: impl Iterator<Item = String>) -> String {
+    lines.map(|line| line + "\n").collect()
 }
 
 fn print_json(what: &impl serde::Serialize, out: &mut dyn Write) -> Result<(), RodlabError> {
@@ -282,7 +271,7 @@ fn one_sheet(
     })?;
     let standing = done.outcome.verdict.standing();
     if json {
-        out.write_all(done.json.as_bytes()).map_err(to_terminal)?;
+        print(done.json.as_bytes(), out)?;
     } else if !quiet {
         for sentence in &done.outcome.summary {
             say(out, sentence)?;
@@ -292,10 +281,8 @@ fn one_sheet(
         }
         if !command.options.is_empty() {
             let (job, sheet) = (job.name(), command.sheet.display());
-            say(
-                out,
-                &format!("The sheet is {sheet}: edit it and run `rodlab {job} {sheet}`"),
-            )?;
+            let next = format!("edit it and run `rodlab {job} {sheet}`");
+            say(out, &format!("The sheet is {sheet}: {next}"))?;
         }
         let count = done.files.len();
         let folder = folder.display();
@@ -395,15 +382,9 @@ fn check(
             Ok((sheet, warnings)) => {
                 if !quiet {
                     let hash = finished::identity_of(&sheet).sha256;
-                    let job = sheet.job.name();
-                    say(
-                        out,
-                        &format!(
-                            "{}: a sheet for `{job}`, its files can be read (hash {})",
-                            path.display(),
-                            &hash[..12]
-                        ),
-                    )?;
+                    let (path, job) = (path.display(), sheet.job.name());
+                    let found = format!("a sheet for `{job}`, its files can be read");
+                    say(out, &format!("{path}: {found} (hash {hash:.12})"))?;
                     for warning in &warnings {
                         say(out, &format!("warning: {warning}"))?;
                     }
@@ -428,19 +409,17 @@ fn list(
 ) -> Result<Ending, RodlabError> {
     let listed = batch::list(&batch::tests_of(sheets)?, interrupted)?;
     let is_wrong = listed.iter().any(|one| one.error.is_some());
-    if arguments.json {
-        print_json(&listed, out)?;
-    } else if !arguments.quiet {
-        for one in &listed {
-            let what = match (&one.error, one.job, &one.key) {
-                (None, Some(job), Some(key)) => {
-                    format!("{job:<9}  {:>3} files  {key:.12}", one.inputs.len())
-                }
-                (error, ..) => format!("wrong input: {}", error.as_deref().unwrap_or_default()),
-            };
-            say(out, &format!("{}  {what}", one.test))?;
-        }
-    }
+    let in_words = |one: &batch::Listed| {
+        let what = match (&one.error, one.job, &one.key) {
+            (None, Some(job), Some(key)) => {
+                format!("{job:<9}  {:>3} files  {key:.12}", one.inputs.len())
+            }
+            (error, ..) => format!("wrong input: {}", error.as_deref().unwrap_or_default()),
+        };
+        format!("{}  {what}", one.test)
+    };
+    let words = || in_lines(listed.iter().map(in_words));
+    tell(arguments, &listed, words, out)?;
     Ok(if is_wrong {
         Ending::WRONG
     } else {
@@ -496,16 +475,13 @@ fn conclude(
     out: &mut (dyn Write + Send),
 ) -> Result<Ending, RodlabError> {
     if arguments.json {
-        out.write_all(summary.to_json()?.as_bytes())
-            .map_err(to_terminal)?;
+        print(summary.to_json()?.as_bytes(), out)?;
     } else if !arguments.quiet {
         for remark in summary.remarks() {
             say(out, &remark)?;
         }
-        say(
-            out,
-            &format!("{}; {}", summary.sentence(), folder.display()),
-        )?;
+        let (sentence, folder) = (summary.sentence(), folder.display());
+        say(out, &format!("{sentence}; {folder}"))?;
     }
     Ok(Ending::With(summary.worst()))
 }
@@ -545,7 +521,7 @@ fn demo(
     let sheet = folder.join("plan-result").join("modulus.toml");
     let report = output::default_folder(&sheet).join("report.html");
     let is_silent = arguments.quiet || arguments.json;
-    let tell = |out: &mut dyn Write, line: String| match is_silent {
+    let told = |out: &mut dyn Write, line: String| match is_silent {
         true => Ok(()),
         false => say(out, &line),
     };
@@ -557,12 +533,10 @@ fn demo(
         ),
         error => error,
     })?;
-    tell(out, format!("> rodlab init simulate {}", plan.display()))?;
+    told(out, format!("> rodlab init simulate {}", plan.display()))?;
     for (job, sheet) in [(JobName::Simulate, plan), (JobName::Modulus, sheet)] {
-        tell(
-            out,
-            format!("\n> rodlab {} {}", job.name(), sheet.display()),
-        )?;
+        let (name, path) = (job.name(), sheet.display());
+        told(out, format!("\n> rodlab {name} {path}"))?;
         let command = SheetCommand {
             sheet,
             out: None,
@@ -578,8 +552,12 @@ fn demo(
             return Ok(ending);
         }
     }
-    tell(out, format!("\nThe report: {}", report.display()))?;
+    told(out, format!("\nThe report: {}", report.display()))?;
     Ok(Ending::DONE)
+}
+
+fn print(text: &[u8], out: &mut dyn Write) -> Result<(), RodlabError> {
+    out.write_all(text).map_err(to_terminal)
 }
 
 fn say(out: &mut dyn Write, line: &str) -> Result<(), RodlabError> {
