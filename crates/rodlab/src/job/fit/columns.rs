@@ -103,7 +103,46 @@ pub enum ModulusColumns {
     },
 }
 
+/// Column of a modulus with its quantity and its field.
+type ModulusColumn<'a> = (&'a Selector, Wanted, &'static str);
+
 impl ModulusColumns {
+    /// Returns the column of the real part, and the other column, if there is one.
+    fn both(&self) -> (ModulusColumn<'_>, Option<ModulusColumn<'_>>) {
+        let modulus = |column, field| (column, Wanted::Modulus, field);
+        match self {
+            Self::Parts { storage, loss } => {
+                (modulus(storage, "storage"), Some(modulus(loss, "loss")))
+            }
+            Self::StorageAndLossFactor {
+                storage,
+                loss_factor,
+            } => {
+                let factor = (loss_factor, Wanted::Number, "loss_factor");
+                (modulus(storage, "storage"), Some(factor))
+            }
+            Self::MagnitudeAndPhase { magnitude, phase } => {
+                let phase = (phase, Wanted::Phase, "phase");
+                (modulus(magnitude, "magnitude"), Some(phase))
+            }
+            Self::Relaxation { modulus: column } | Self::CreepModulus { modulus: column } => {
+                (modulus(column, "modulus"), None)
+            }
+            Self::Creep { compliance } => ((compliance, Wanted::Compliance, "compliance"), None),
+        }
+    }
+
+    /// Returns the values of both columns by `read`; a missing column has zeros.
+    pub(super) fn values(
+        &self,
+        read: impl Fn(ModulusColumn<'_>) -> Result<Vec<f64>, RodlabError>,
+    ) -> Result<Vec<(f64, f64)>, RodlabError> {
+        let (first, second) = self.both();
+        let first = read(first)?;
+        let second = second.map_or_else(|| Ok(vec![0.0; first.len()]), read)?;
+        Ok(first.into_iter().zip(second).collect())
+    }
+
     /// Kind of test for moduli over time; `None` for moduli over frequency.
     pub(super) fn test(&self) -> Option<TransientTest> {
         match self {
@@ -393,54 +432,18 @@ fn moduli(
     table: &TableSheet,
     file: &TableFile,
 ) -> Result<(&'static str, Vec<Complex64>), RodlabError> {
-    let units = &table.units;
-    let read = |column: &Selector, wanted: Wanted, field: &str| {
-        file.values(column, wanted, units, &format!("modulus.{field}"))
+    let columns = &table.modulus;
+    let values = columns.values(|(column, wanted, field)| {
+        file.values(column, wanted, &table.units, &format!("modulus.{field}"))
+    })?;
+    let of: fn((f64, f64)) -> Complex64 = match columns {
+        ModulusColumns::Parts { .. }
+        | ModulusColumns::Relaxation { .. }
+        | ModulusColumns::CreepModulus { .. } => |(re, im)| Complex64::new(re, im),
+        ModulusColumns::StorageAndLossFactor { .. } => |(re, tan)| Complex64::new(re, re * tan),
+        ModulusColumns::MagnitudeAndPhase { .. } => |(r, delta)| Complex64::from_polar(r, delta),
+        ModulusColumns::Creep { .. } => |(j, _)| Complex64::from(j.recip()),
     };
-    let (field, moduli): (&'static str, Vec<Complex64>) = match &table.modulus {
-        ModulusColumns::Parts { storage, loss } => {
-            let storage = read(storage, Wanted::Modulus, "storage")?;
-            let loss = read(loss, Wanted::Modulus, "loss")?;
-            let parts = storage.iter().zip(&loss);
-            (
-                "storage",
-                parts.map(|(re, im)| Complex64::new(*re, *im)).collect(),
-            )
-        }
-        ModulusColumns::StorageAndLossFactor {
-            storage,
-            loss_factor,
-        } => {
-            let storage = read(storage, Wanted::Modulus, "storage")?;
-            let factor = read(loss_factor, Wanted::Number, "loss_factor")?;
-            let parts = storage.iter().zip(&factor);
-            (
-                "storage",
-                parts
-                    .map(|(re, tan)| Complex64::new(*re, re * tan))
-                    .collect(),
-            )
-        }
-        ModulusColumns::MagnitudeAndPhase { magnitude, phase } => {
-            let magnitude = read(magnitude, Wanted::Modulus, "magnitude")?;
-            let phase = read(phase, Wanted::Phase, "phase")?;
-            let parts = magnitude.iter().zip(&phase);
-            (
-                "magnitude",
-                parts
-                    .map(|(r, delta)| Complex64::from_polar(*r, *delta))
-                    .collect(),
-            )
-        }
-        ModulusColumns::Relaxation { modulus } | ModulusColumns::CreepModulus { modulus } => {
-            let moduli = read(modulus, Wanted::Modulus, "modulus")?;
-            ("modulus", moduli.into_iter().map(Complex64::from).collect())
-        }
-        ModulusColumns::Creep { compliance } => {
-            let compliances = read(compliance, Wanted::Compliance, "compliance")?;
-            let moduli = compliances.into_iter().map(|j| Complex64::from(j.recip()));
-            ("compliance", moduli.collect())
-        }
-    };
-    Ok((field, moduli))
+    let ((.., field), _) = columns.both();
+    Ok((field, values.into_iter().map(of).collect()))
 }

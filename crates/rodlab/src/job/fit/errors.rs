@@ -13,7 +13,6 @@ use super::FitSheet;
 use super::columns::{ModulusColumns, Row, TableSheet};
 use super::steps::Step;
 use super::table_file::TableFile;
-use super::units::Wanted;
 use crate::digits::hertz;
 use crate::draw::Draw;
 use crate::outcome::LogEntry;
@@ -150,14 +149,11 @@ fn of_columns(
     file: &TableFile,
     moduli: &[Complex64],
 ) -> Result<Vec<ComplexCovariance>, RodlabError> {
-    let units = &table.units;
-    let read = |column, wanted: Wanted, field: &str| {
+    let values = columns.values(|(column, wanted, field)| {
         let field = format!("errors.{field}");
-        let values = file.values(column, wanted, units, &field)?;
-        match values
-            .iter()
-            .position(|value| value.is_nan() || *value <= 0.0)
-        {
+        let values = file.values(column, wanted, &table.units, &field)?;
+        let mut of_rows = values.iter();
+        match of_rows.position(|value| value.is_nan() || *value <= 0.0) {
             None => Ok(values),
             Some(row) => Err(RodlabError::request(
                 file.place_of(&field, row),
@@ -165,53 +161,23 @@ fn of_columns(
                 "a standard error above 0, because the fit weights the rows by it",
             )),
         }
+    })?;
+    let of = |(modulus, (first, second)): (&Complex64, (f64, f64))| match columns {
+        ModulusColumns::Parts { .. }
+        | ModulusColumns::Relaxation { .. }
+        | ModulusColumns::CreepModulus { .. } => ComplexCovariance::of_parts(first, second),
+        ModulusColumns::StorageAndLossFactor { .. } => {
+            ComplexCovariance::of_loss_factor(*modulus, first, second)
+        }
+        ModulusColumns::MagnitudeAndPhase { .. } => {
+            let relative = first / modulus.norm();
+            ComplexCovariance::of_magnitude_and_phase(*modulus, relative, second)
+        }
+        ModulusColumns::Creep { .. } => {
+            ComplexCovariance::of_parts(first * modulus.re * modulus.re, 0.0)
+        }
     };
-    let combined =
-        |a: Vec<f64>, b: Vec<f64>, of: &dyn Fn(Complex64, f64, f64) -> ComplexCovariance| {
-            let values = moduli.iter().zip(a).zip(b);
-            values.map(|((modulus, a), b)| of(*modulus, a, b)).collect()
-        };
-    Ok(match columns {
-        ModulusColumns::Parts { storage, loss } => combined(
-            read(storage, Wanted::Modulus, "storage")?,
-            read(loss, Wanted::Modulus, "loss")?,
-            &|_, storage, loss| ComplexCovariance::of_parts(storage, loss),
-        ),
-        ModulusColumns::StorageAndLossFactor {
-            storage,
-            loss_factor,
-        } => combined(
-            read(storage, Wanted::Modulus, "storage")?,
-            read(loss_factor, Wanted::Number, "loss_factor")?,
-            &ComplexCovariance::of_loss_factor,
-        ),
-        ModulusColumns::MagnitudeAndPhase { magnitude, phase } => combined(
-            read(magnitude, Wanted::Modulus, "magnitude")?,
-            read(phase, Wanted::Phase, "phase")?,
-            &|modulus, magnitude, phase| {
-                ComplexCovariance::of_magnitude_and_phase(
-                    modulus,
-                    magnitude / modulus.norm(),
-                    phase,
-                )
-            },
-        ),
-        ModulusColumns::Relaxation { modulus } | ModulusColumns::CreepModulus { modulus } => {
-            let errors = read(modulus, Wanted::Modulus, "modulus")?.into_iter();
-            errors
-                .map(|error| ComplexCovariance::of_parts(error, 0.0))
-                .collect()
-        }
-        ModulusColumns::Creep { compliance } => {
-            let errors = read(compliance, Wanted::Compliance, "compliance")?;
-            let values = moduli.iter().zip(errors);
-            values
-                .map(|(modulus, error)| {
-                    ComplexCovariance::of_parts(error * modulus.re * modulus.re, 0.0)
-                })
-                .collect()
-        }
-    })
+    Ok(moduli.iter().zip(values).map(of).collect())
 }
 
 /// Temperature \[K\] and data of a step.

@@ -4,6 +4,7 @@ use labio::format::csv::TableColumn;
 use labio::{Dimension, Unit};
 use serde::Deserialize;
 
+use crate::sheet::{Frequency, Kind, Pressure, Temperature};
 use crate::{InStep, RodlabError};
 
 /// Units of columns for which the file contains none.
@@ -40,20 +41,13 @@ pub(super) enum Wanted {
 
 impl Wanted {
     fn dimension(self) -> Dimension {
-        let of = |length, mass, time, temperature| Dimension {
-            length,
-            mass,
-            time,
-            current: 0,
-            temperature,
-        };
         match self {
-            Self::Frequency | Self::AngularFrequency => of(0, 0, -1, 0),
-            Self::Time => of(0, 0, 1, 0),
-            Self::Modulus => of(-1, 1, -2, 0),
-            Self::Compliance => of(1, -1, 2, 0),
+            Self::Frequency | Self::AngularFrequency => Frequency::DIMENSION,
+            Self::Time => Dimension::TIME,
+            Self::Modulus => Pressure::DIMENSION,
+            Self::Compliance => Dimension::NONE.quotient(Pressure::DIMENSION),
             Self::Number | Self::Phase => Dimension::NONE,
-            Self::Temperature => of(0, 0, 0, 1),
+            Self::Temperature => Temperature::DIMENSION,
         }
     }
 
@@ -70,27 +64,18 @@ impl Wanted {
         }
     }
 
-    /// Field of [`UnitsSheet`] for this quantity.
-    fn field(self) -> &'static str {
+    /// Returns the field of `units` for this quantity, and the unit stated there.
+    fn stated(self, units: &UnitsSheet) -> (&'static str, Option<&String>) {
         match self {
-            Self::Frequency | Self::AngularFrequency => "units.frequency",
-            Self::Time => "units.time",
-            Self::Modulus => "units.modulus",
-            Self::Compliance => "units.compliance",
-            Self::Phase | Self::Number => "units.phase",
-            Self::Temperature => "units.temperature",
-        }
-    }
-
-    fn stated(self, units: &UnitsSheet) -> Option<&String> {
-        match self {
-            Self::Frequency | Self::AngularFrequency => units.frequency.as_ref(),
-            Self::Time => units.time.as_ref(),
-            Self::Modulus => units.modulus.as_ref(),
-            Self::Compliance => units.compliance.as_ref(),
-            Self::Number => None,
-            Self::Phase => units.phase.as_ref(),
-            Self::Temperature => units.temperature.as_ref(),
+            Self::Frequency | Self::AngularFrequency => {
+                ("units.frequency", units.frequency.as_ref())
+            }
+            Self::Time => ("units.time", units.time.as_ref()),
+            Self::Modulus => ("units.modulus", units.modulus.as_ref()),
+            Self::Compliance => ("units.compliance", units.compliance.as_ref()),
+            Self::Number => ("units.phase", None),
+            Self::Phase => ("units.phase", units.phase.as_ref()),
+            Self::Temperature => ("units.temperature", units.temperature.as_ref()),
         }
     }
 
@@ -130,13 +115,14 @@ pub(super) fn of(
         "-" | "[]" | "()" => "",
         text => text,
     };
-    let stated = match wanted.stated(units) {
+    let (field, stated) = wanted.stated(units);
+    let stated = match stated {
         None => None,
         Some(text) => {
             let unit = wanted.parse(text).filter(|unit| wanted.takes(text, unit));
             let refused = || {
                 RodlabError::request(
-                    format!("{table}.{}", wanted.field()),
+                    format!("{table}.{field}"),
                     format!("`{text}`"),
                     format!("the unit of {}", wanted.in_words()),
                 )
@@ -152,7 +138,7 @@ pub(super) fn of(
             wanted.in_words(),
         )),
         (Some(unit), Some(stated)) if !is_same(&unit, &stated) => Err(RodlabError::request(
-            format!("{table}.{}", wanted.field()),
+            format!("{table}.{field}"),
             format!(
                 "`{}`, and `{name}` of {place} is in [{written}]",
                 stated.symbol()
@@ -173,7 +159,7 @@ pub(super) fn of(
             Err(RodlabError::request(
                 place,
                 found,
-                format!("{}: state it as `{}`", wanted.in_words(), wanted.field()),
+                format!("{}: state it as `{field}`", wanted.in_words()),
             ))
         }
     }
