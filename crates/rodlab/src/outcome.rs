@@ -501,8 +501,13 @@ pub struct Attachment {
     pub bytes: Vec<u8>,
 }
 
-pub(crate) fn sentence(clause: &str) -> String {
-    let mut letters = clause.chars();
+/// Returns the text with an initial capital letter.
+pub(crate) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(letters).chain(['.']).collect()
+    first.chain(letters).collect()
+}
+
+pub(crate) fn sentence(clause: &str) -> String {
+    capital(clause) + "."
 }

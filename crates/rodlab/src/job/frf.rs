@@ -29,11 +29,10 @@ use rodfigure::Greyed;
 
 use self::estimate::Estimated;
 use self::scope::{Band, band_of, outputs_of, outside_of};
-use self::words::capital;
 use super::JobContext;
 use crate::digits::{hertz, short};
 use crate::hits::{FoundHit, FoundHits, HitKind, HitsSheet, expect_independent, silent_samples};
-use crate::outcome::Quantity;
+use crate::outcome::{Quantity, sentence};
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
 use crate::{InStep, Outcome, RodlabError};
@@ -135,7 +134,7 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
         .attachments
         .push(universal::attachment(&estimated, &sheet.title)?);
     for found in &sets {
-        outcome.say(capital(&format!("{}.", found.in_words())));
+        outcome.say(sentence(&found.in_words()));
     }
     warn(sheet, &spectra, &estimated, &mut outcome);
     for (hits, spectra) in accepted.iter().zip(&spectra) {

@@ -10,7 +10,8 @@ use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 use super::estimate::Estimated;
 use super::scope::Band;
 use super::thin;
-use super::words::{capital, name_of, unit_of};
+use super::words::{name_of, unit_of};
+use crate::outcome::capital;
 
 const N_BUCKETS: usize = 400;
 const KHZ: f64 = 1e-3;

@@ -2,10 +2,10 @@
 
 use super::estimate::Estimated;
 use super::scope::Band;
-use super::words::{capital, name_of, unit_of};
+use super::words::{name_of, unit_of};
 use crate::digits::{hertz, short};
 use crate::median::upper_median;
-use crate::outcome::{Quantity, Rows, Table};
+use crate::outcome::{Quantity, Rows, Table, capital};
 use crate::responses::with_errors;
 use crate::universal::DECAY_RATE;
 

@@ -30,15 +30,6 @@ pub(super) fn unit_of(response: &FrequencyResponse) -> String {
     }
 }
 
-/// Returns the text with an initial capital letter.
-pub(super) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters
-        .next()
-        .map(|first| first.to_uppercase().chain(letters).collect())
-        .unwrap_or_default()
-}
-
 /// Returns a distinct part of a file name for each channel: letters and digits in lower case, with
 /// an underscore for every other character.
 pub(super) fn file_names(channels: &[String]) -> Vec<String> {

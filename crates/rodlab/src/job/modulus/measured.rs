@@ -141,6 +141,7 @@ pub(super) enum Spectra {
 }
 
 /// Measured data with their source.
+#[derive(Default)]
 pub(super) struct Measured {
     /// Spectra or modes; `None` if the hits do not give any, for the reason `missing`.
     pub(super) spectra: Option<Spectra>,

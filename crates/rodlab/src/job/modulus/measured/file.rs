@@ -1,6 +1,6 @@
 //! A ratio of spectra computed by another program.
 
-use labio::{Dimension, ResponseRatio, Unit};
+use labio::ResponseRatio;
 use num_complex::Complex64;
 
 use super::{Measured, RatioErrors, RatioSheet, RatioValues, Spectra};
@@ -8,6 +8,8 @@ use crate::job::JobContext;
 use crate::job::modulus::ModulusSheet;
 use crate::number_file::NumberFile;
 use crate::outcome::Setting;
+use crate::records::Selector;
+use crate::sheet::{Frequency, Kind};
 use crate::{InStep, RodlabError};
 
 pub(super) fn of_file(
@@ -19,7 +21,11 @@ pub(super) fn of_file(
     let taken_as = sheet.method.ratio_in_words()?;
     settings.push(Setting::by_default("ratio in the file", taken_as));
     let file = NumberFile::read(&source.path, context.folder, "source.ratio.path")?;
-    let hertz = Unit::parse("Hz").map_or(Dimension::NONE, |unit| unit.dimension());
+    let numbers = |column: &Selector, field: &str| {
+        let column = file.column(column, &format!("source.ratio.{field}"))?;
+        column.pure_numbers()
+    };
+    let hertz = Frequency::DIMENSION;
     let (values, frequency_hz) = match &source.values {
         RatioValues::Complex(selector) => {
             let column = file.column(selector, "source.ratio.values.complex")?;
@@ -52,22 +58,16 @@ pub(super) fn of_file(
     };
     let ratio = match &source.errors {
         RatioErrors::Coherence { column, averages } => {
-            let coherence = file
-                .column(column, "source.ratio.errors.coherence.column")?
-                .pure_numbers()?;
+            let coherence = numbers(column, "errors.coherence.column")?;
             ResponseRatio::from_coherence(frequency_hz, values, coherence, *averages)
         }
         RatioErrors::StandardError { column } => {
-            let errors = file
-                .column(column, "source.ratio.errors.standard_error.column")?
-                .pure_numbers()?;
-            let mut lines = errors.iter().enumerate();
+            let field = "errors.standard_error.column";
+            let errors = numbers(column, field)?;
+            let mut lines = (1..).zip(&errors);
             if let Some((line, error)) = lines.find(|(_, error)| **error < 0.0) {
                 return Err(RodlabError::request(
-                    format!(
-                        "source.ratio.errors.standard_error.column, line {}",
-                        line + 1
-                    ),
+                    format!("source.ratio.{field}, line {line}"),
                     error.to_string(),
                     "a standard error of 0 or more",
                 ));
@@ -84,19 +84,8 @@ pub(super) fn of_file(
     };
     Ok(Measured {
         spectra: Some(Spectra::Ratio(ratio.in_step("source.ratio.errors")?)),
-        missing: String::new(),
         inputs: vec![file.input],
-        log: Vec::new(),
-        figures: Vec::new(),
-        in_words: Vec::new(),
         warnings: file.warning.into_iter().collect(),
-        quantities: Vec::new(),
-        first_hit: None,
-        sampling_rate_hz: None,
-        doubts: Vec::new(),
-        each: Vec::new(),
-        cut_pulses: Vec::new(),
-        accepted: Vec::new(),
-        n_found: 0,
+        ..Measured::default()
     })
 }

@@ -14,7 +14,7 @@ use crate::hits::{
 use crate::job::JobContext;
 use crate::job::modulus::method::{self, FromHits, MethodSheet, Taken};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
-use crate::outcome::Setting;
+use crate::outcome::{Setting, sentence};
 use crate::records::{Records, channel_called, expect_motion};
 use crate::sheet::{Duration, Exact, plausible};
 
@@ -82,28 +82,19 @@ pub(super) fn of_hits(
         )?;
     }
     let silent = n_silent;
-    let mut in_words = found.in_words();
-    if let Some(first) = in_words.get_mut(..1) {
-        first.make_ascii_uppercase();
-    }
     let accepted = found.accepted();
     let mut measured = Measured {
-        spectra: None,
-        missing: String::new(),
         inputs: loaded.inputs,
         log: found.log(),
         figures: match context.draw {
             Some(_) => Vec::new(),
             None => histories::figures(&found, &channels, silent),
         },
-        in_words: vec![format!("{in_words}.")],
+        in_words: vec![sentence(&found.in_words())],
         warnings: loaded.warnings,
         quantities: quantities(accepted.first().copied()),
-        first_hit: None,
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
-        each: Vec::new(),
-        cut_pulses: Vec::new(),
         accepted: found
             .hits()
             .enumerate()
@@ -111,6 +102,7 @@ pub(super) fn of_hits(
             .map(|(number, _)| number)
             .collect(),
         n_found: found.n_found(),
+        ..Measured::default()
     };
     let is_ratio = matches!(from_hits, FromHits::Ratio(..) | FromHits::Pulses { .. });
     let fewest = if is_ratio && silent.is_none() {
