@@ -383,6 +383,17 @@ impl Quantity {
             verdict: verdict.into(),
         }
     }
+
+    /// The quantity with its standard error, if it is known.
+    pub(crate) fn with_error(mut self, standard_error: impl Into<Option<f64>>) -> Self {
+        self.standard_error = standard_error.into();
+        self
+    }
+
+    /// The quantity with the given validity.
+    pub(crate) fn valid_if(self, valid: bool) -> Self {
+        Self { valid, ..self }
+    }
 }
 
 /// A table with columns of equal length. Reports show it as it is; other programs get
@@ -499,6 +510,16 @@ pub struct Attachment {
     pub name: String,
     /// Contents of the file.
     pub bytes: Vec<u8>,
+}
+
+/// Returns the number if it is finite.
+pub(crate) fn finite(number: f64) -> Option<f64> {
+    Some(number).filter(|number| number.is_finite())
+}
+
+/// Returns the unit as it is shown: that of a pure number, `1`, is empty.
+pub(crate) fn shown_unit(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
 }
 
 /// Returns the text with an initial capital letter.

@@ -9,7 +9,7 @@ use super::{LawsSheet, WHITE, cards};
 use crate::context::JobContext;
 use crate::digits::{hertz, prefix_for, significant};
 use crate::material_file::{self, MaterialFile};
-use crate::outcome::{Attachment, Quantity, Rows, Table, Verdict};
+use crate::outcome::{Attachment, Quantity, Rows, Table, Verdict, shown_unit};
 use crate::{InStep, Outcome, RodlabError};
 
 /// Fits the laws of a sheet and adds them to `outcome`. Returns the comparison if at least one law
@@ -152,26 +152,18 @@ pub(crate) fn of_value(parameter: &Parameter, error: f64) -> Option<f64> {
 fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
     let white = fit.whiteness.is_white(WHITE);
     if let Some(limit) = fit.equilibrium_limit {
-        outcome.quantities.push(Quantity {
-            name: format!("{}, equilibrium modulus", fit.law.law()),
-            unit: "Pa".to_owned(),
-            value: None,
-            standard_error: None,
-            valid: false,
-            verdict: format!(
-                "the series has no equilibrium modulus; up to {} is not excluded",
-                significant(limit, 3)
-            ),
-        });
+        let name = format!("{}, equilibrium modulus", fit.law.law());
+        let verdict = format!(
+            "the series has no equilibrium modulus; up to {} is not excluded",
+            significant(limit, 3)
+        );
+        let quantity = Quantity::of(name, "Pa", None::<f64>, verdict);
+        outcome.quantities.push(quantity);
     }
     for parameter in &fit.parameters {
         let identified = parameter.verdict.is_identified();
         let error = of_value(parameter, parameter.standard_error);
-        let unit = if parameter.unit == "1" {
-            ""
-        } else {
-            parameter.unit
-        };
+        let unit = shown_unit(parameter.unit);
         let (size, prefix) = prefix_for(parameter.value, unit);
         let scaled = |value: f64, digits| significant(value / size, digits);
         let (lower, upper) = (parameter.interval.lower, parameter.interval.upper);
@@ -195,22 +187,15 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
                     scaled(common, 2)
                 )
             });
-        outcome.quantities.push(Quantity {
-            name: format!("{}, {}", fit.law.law(), parameter.name),
-            unit: unit.to_owned(),
-            value: Some(parameter.value),
-            standard_error: error,
-            valid: identified && white,
-            verdict: format!(
-                "{}{}{within}{parts}",
-                if white {
-                    ""
-                } else {
-                    "the law does not fit: the residuals are not noise; "
-                },
-                parameter.verdict,
-            ),
-        });
+        let against = match white {
+            true => "",
+            false => "the law does not fit: the residuals are not noise; ",
+        };
+        let name = format!("{}, {}", fit.law.law(), parameter.name);
+        let verdict = format!("{against}{}{within}{parts}", parameter.verdict);
+        let quantity = Quantity::of(name, unit, parameter.value, verdict);
+        let quantity = quantity.with_error(error).valid_if(identified && white);
+        outcome.quantities.push(quantity);
     }
 }
 

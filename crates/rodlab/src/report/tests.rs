@@ -183,14 +183,8 @@ fn the_first_figure_and_what_the_test_is_about_stand_before_the_quantities() {
     let mut outcome = Outcome::of("modulus", "Rod 7");
     let figure = |title: &str| Figure::new("a", title, vec![line(Role::First, "curve")]);
     outcome.figures = vec![figure("The answer"), figure("The records")];
-    outcome.quantities = vec![Quantity {
-        name: "modulus".into(),
-        unit: "Pa".into(),
-        value: Some(2.6123e9),
-        standard_error: Some(1.4e6),
-        valid: true,
-        verdict: "identified".into(),
-    }];
+    let quantity = Quantity::of("modulus", "Pa", 2.6123e9, "identified");
+    outcome.quantities = vec![quantity.with_error(1.4e6)];
     outcome.settings = vec![Setting {
         name: "about.operator".into(),
         value: "S. Germain".into(),

@@ -110,14 +110,9 @@ impl BothDirections {
                 "{field}: the responses between \"{one}\" and \"{other}\" differ with the direction: {verdict}; check points, directions and gains"
             ));
         }
-        outcome.quantities.push(Quantity {
-            name: format!("{field}: {name}"),
-            unit: String::new(),
-            value: Some(found.relative_difference.sqrt()),
-            standard_error: None,
-            valid: holds,
-            verdict,
-        });
+        let size = found.relative_difference.sqrt();
+        let quantity = Quantity::of(format!("{field}: {name}"), "", size, verdict);
+        outcome.quantities.push(quantity.valid_if(holds));
     }
 }
 

@@ -8,7 +8,7 @@ use rodwave::waves::FreeEndWaves;
 use super::BarSheet;
 use super::passages::Passages;
 use super::table::Line;
-use crate::outcome::{CHECK, Quantity};
+use crate::outcome::{CHECK, Quantity, finite};
 
 /// Maximum number of round trips through the bar that are marked.
 const MOST_DRAWN: u32 = 4;
@@ -35,17 +35,10 @@ impl Waves {
         let pairs = self.measured.iter().zip(&self.predicted);
         let left: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
         let all: f64 = self.measured.iter().map(|x| x * x).sum();
-        Quantity {
-            name: format!(
-                "{CHECK}part of {} that the model does not explain",
-                self.gauge
-            ),
-            unit: "%".to_owned(),
-            value: Some(100.0 * (left / all).sqrt()).filter(|value| value.is_finite()),
-            standard_error: None,
-            valid: true,
-            verdict: "valid".to_owned(),
-        }
+        let gauge = &self.gauge;
+        let name = format!("{CHECK}part of {gauge} that the model does not explain");
+        let value = finite(100.0 * (left / all).sqrt());
+        Quantity::of(name, "%", value, "valid").valid_if(true)
     }
 }
 

@@ -11,7 +11,7 @@ use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
 use crate::digits::{hertz, percent, short, significant, with_error, with_unit};
 use crate::laws::{WHITE, unexplained};
-use crate::outcome::{CHECK, LogEntry, Quantity, sentence};
+use crate::outcome::{CHECK, LogEntry, Quantity, finite, sentence};
 use crate::sheet::Exact;
 use crate::{InStep, Outcome, RodlabError};
 
@@ -222,30 +222,25 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     let [[storage, _], [_, loss]] = predicted.covariance;
     let (factor, of_factor) = predicted.loss_factor();
     let at = format!("{} and {}", hertz(frequency), celsius(reference));
-    let error = |error: f64| Some(error).filter(|error| error.is_finite());
     for (name, unit, value, error) in [
         (
             "storage modulus",
             unit,
             modulus.re / pascal,
-            error(storage.sqrt() / pascal),
+            finite(storage.sqrt() / pascal),
         ),
         (
             "loss modulus",
             unit,
             modulus.im / pascal,
-            error(loss.sqrt() / pascal),
+            finite(loss.sqrt() / pascal),
         ),
-        ("loss factor", "", factor, error(of_factor)),
+        ("loss factor", "", factor, finite(of_factor)),
     ] {
-        outcome.quantities.push(Quantity {
-            name: format!("{name} at {at}"),
-            unit: unit.to_owned(),
-            value: Some(value),
-            standard_error: error,
-            valid: error.is_some(),
-            verdict: "from the master curve, within its band".to_owned(),
-        });
+        let verdict = "from the master curve, within its band";
+        let quantity = Quantity::of(format!("{name} at {at}"), unit, value, verdict);
+        let quantity = quantity.with_error(error).valid_if(error.is_some());
+        outcome.quantities.push(quantity);
     }
 }
 
@@ -312,14 +307,9 @@ fn one_curve(
     let white = fit.whiteness.is_white(WHITE);
     if found.error_scale == ErrorScale::Stated {
         let p = fit.p_value();
-        outcome.quantities.push(Quantity {
-            name: format!("{CHECK}one curve for all temperatures, probability"),
-            unit: String::new(),
-            value: Some(p),
-            standard_error: None,
-            valid: p >= CHANCE,
-            verdict: chi.clone(),
-        });
+        let name = format!("{CHECK}one curve for all temperatures, probability");
+        let check = Quantity::of(name, "", p, chi.as_str()).valid_if(p >= CHANCE);
+        outcome.quantities.push(check);
         if p < CHANCE {
             outcome.doubt(format!(
                 "the temperatures do not form a single curve within the stated errors: {chi}"
@@ -400,14 +390,12 @@ fn falling(outcome: &mut Outcome, curve: &MasterCurve) {
             })
         })
         .collect();
-    outcome.quantities.push(Quantity {
-        name: format!("{CHECK}shifts that rise with temperature"),
-        unit: String::new(),
-        value: Some(rises.len() as f64),
-        standard_error: None,
-        valid: rises.is_empty(),
-        verdict: "by more than two standard errors".to_owned(),
-    });
+    let (name, verdict) = (
+        format!("{CHECK}shifts that rise with temperature"),
+        "by more than two standard errors",
+    );
+    let check = Quantity::of(name, "", rises.len() as f64, verdict);
+    outcome.quantities.push(check.valid_if(rises.is_empty()));
     if !rises.is_empty() {
         outcome.doubt(format!(
             "the shifts do not fall with temperature from {}: relaxation would be slower at the higher temperature",
@@ -461,32 +449,26 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
         } else {
             String::new()
         };
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value: Some(value).filter(|value| value.is_finite()),
-            standard_error: Some(error).filter(|error| error.is_finite()),
-            valid: is_wlf && constants,
-            verdict: format!("{verdict}{within}"),
-        });
+        let verdict = format!("{verdict}{within}");
+        let quantity = Quantity::of(name, unit, finite(value), verdict);
+        let quantity = quantity.with_error(finite(error));
+        outcome
+            .quantities
+            .push(quantity.valid_if(is_wlf && constants));
     }
-    outcome.quantities.push(Quantity {
-        name: "Arrhenius, activation energy".to_owned(),
-        unit: "kJ/mol".to_owned(),
-        value: Some(1e-3 * arrhenius.activation_energy),
-        standard_error: Some(1e-3 * arrhenius.standard_error),
-        valid: is_arrhenius && is_wlf,
-        verdict: if is_arrhenius && is_wlf {
-            "identified".to_owned()
-        } else if !is_wlf {
-            verdict
-        } else {
-            format!(
-                "rejected in favour of WLF, probability {}",
-                significant(laws.arrhenius_p_value, 2)
-            )
-        },
-    });
+    let verdict = match (is_wlf, is_arrhenius) {
+        (true, true) => "identified".to_owned(),
+        (false, _) => verdict,
+        (true, false) => format!(
+            "rejected in favour of WLF, probability {}",
+            significant(laws.arrhenius_p_value, 2)
+        ),
+    };
+    let (name, energy) = ("Arrhenius, activation energy", arrhenius.activation_energy);
+    let quantity = Quantity::of(name, "kJ/mol", 1e-3 * energy, verdict)
+        .with_error(1e-3 * arrhenius.standard_error)
+        .valid_if(is_arrhenius && is_wlf);
+    outcome.quantities.push(quantity);
     // decrease of log a per kelvin at the reference; it is the same for both laws
     let slope = wlf.slope / LN_10;
     outcome.say(if is_arrhenius && is_wlf {

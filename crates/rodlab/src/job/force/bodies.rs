@@ -447,12 +447,7 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
             "{field}: no {onto} body agrees with the lines within their errors: {verdict}"
         ));
     }
-    outcome.quantities.push(Quantity {
-        name: format!("{field}: change to the nearest {onto} body, in standard errors"),
-        unit: String::new(),
-        value: change.in_errors,
-        standard_error: None,
-        valid: holds,
-        verdict,
-    });
+    let name = format!("{field}: change to the nearest {onto} body, in standard errors");
+    let quantity = Quantity::of(name, "", change.in_errors, verdict);
+    outcome.quantities.push(quantity.valid_if(holds));
 }

@@ -368,25 +368,18 @@ impl OnLines {
             format!("{about}; {died_out}; {}", self.about_errors)
         };
         let band = format!("up to {} kHz", khz(self.highest_hz));
-        let mut found = vec![Quantity {
-            name: "peak of the stick force on lines".to_owned(),
-            unit: "N".to_owned(),
-            value: Some(peak.force),
-            standard_error: self.error_at(peak.time),
-            valid: settled,
-            verdict: in_words(&band),
-        }];
+        let name = "peak of the stick force on lines";
+        let of_peak = Quantity::of(name, "N", peak.force, in_words(&band));
+        let of_peak = of_peak.with_error(self.error_at(peak.time));
+        let mut found = vec![of_peak.valid_if(settled)];
         if alone {
-            found.push(Quantity {
-                name: "impulse".to_owned(),
-                unit: "N s".to_owned(),
-                value: self.impulse.map(|impulse| impulse.impulse),
-                standard_error: self.impulse_error(),
-                valid: settled && self.impulse.is_some(),
-                verdict: in_words(
-                    "of the first contact, from the force on lines, extrapolated from half the band and the whole band to a band without a limit",
-                ),
-            });
+            let impulse = self.impulse.map(|impulse| impulse.impulse);
+            let verdict = in_words(
+                "of the first contact, from the force on lines, extrapolated from half the band and the whole band to a band without a limit",
+            );
+            let quantity = Quantity::of("impulse", "N s", impulse, verdict);
+            let quantity = quantity.with_error(self.impulse_error());
+            found.push(quantity.valid_if(settled && impulse.is_some()));
         }
         let (end, end_error) = self.end();
         let verdict = match (end, self.bands.as_ref().and_then(|bands| bands.end)) {
@@ -407,14 +400,9 @@ impl OnLines {
                 _ => "not known".to_owned(),
             },
         };
-        found.push(Quantity {
-            name: "end of the first contact on lines".to_owned(),
-            unit: "ms".to_owned(),
-            value: end.map(|time| 1e3 * time),
-            standard_error: end_error.map(|error| 1e3 * error),
-            valid: end_error.is_some(),
-            verdict,
-        });
+        let [end, error] = [end, end_error].map(|time| time.map(|time| 1e3 * time));
+        let end = Quantity::of("end of the first contact on lines", "ms", end, verdict);
+        found.push(end.with_error(error).valid_if(error.is_some()));
         let Some(bands) = &self.bands else {
             return found;
         };
@@ -422,18 +410,15 @@ impl OnLines {
             .limits_of_end
             .map_or([None; 2], |limits| limits.map(Some));
         for (name, limit) in ["lower", "upper"].into_iter().zip(limits) {
-            found.push(Quantity {
-                name: format!("{name} limit of the end of the first contact"),
-                unit: "ms".to_owned(),
-                value: limit.map(|time| 1e3 * time),
-                standard_error: None,
-                valid: limit.is_some() && bands.draws.without_end == 0,
-                verdict: format!(
-                    "from {} draws, in {} of which the faces do not part",
-                    bands.draws.contact_ends.len() + bands.draws.without_end,
-                    bands.draws.without_end
-                ),
-            });
+            let without_end = bands.draws.without_end;
+            let verdict = format!(
+                "from {} draws, in {without_end} of which the faces do not part",
+                bands.draws.contact_ends.len() + without_end,
+            );
+            let name = format!("{name} limit of the end of the first contact");
+            let limit = Quantity::of(name, "ms", limit.map(|time| 1e3 * time), verdict);
+            let is_known = limit.valid && without_end == 0;
+            found.push(limit.valid_if(is_known));
         }
         found
     }

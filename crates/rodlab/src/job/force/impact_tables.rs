@@ -57,14 +57,12 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
             _ if error.is_some() => format!("{about}; error {about_errors}"),
             _ => format!("{about}; no error: {}", no_error(march, name)),
         };
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value: value.map(|value| value / one),
-            standard_error: error.filter(|_| value.is_some()).map(|error| error / one),
-            valid: valid && value.is_some(),
-            verdict: why,
-        });
+        let error = error.filter(|_| value.is_some()).map(|error| error / one);
+        let quantity = Quantity::of(name, unit, value.map(|value| value / one), why);
+        let is_valid = valid && value.is_some();
+        outcome
+            .quantities
+            .push(quantity.with_error(error).valid_if(is_valid));
     };
     add(("peak force", "N", 1.0, &|n| n.peak), true, &peak);
     add(

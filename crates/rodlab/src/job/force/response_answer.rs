@@ -11,7 +11,7 @@ use super::response_band;
 use super::response_problem::{Noise, Problem};
 use super::response_solve::window;
 use crate::digits::{significant, with_unit};
-use crate::outcome::Quantity;
+use crate::outcome::{Quantity, finite};
 use crate::sheet::Exact;
 use crate::{InStep, Outcome, RodlabError};
 
@@ -329,14 +329,8 @@ fn quantities(
     let peak = history.interpolated_peak();
     let mut add =
         |name: &str, unit: &str, value: Option<f64>, error: Option<f64>, verdict: &str| {
-            outcome.quantities.push(Quantity {
-                name: name.to_owned(),
-                unit: unit.to_owned(),
-                value: value.filter(|value| value.is_finite()),
-                standard_error: error,
-                valid: value.is_some_and(f64::is_finite),
-                verdict: verdict.to_owned(),
-            });
+            let quantity = Quantity::of(name, unit, value.and_then(finite), verdict);
+            outcome.quantities.push(quantity.with_error(error));
         };
     let of_error = match (&solved.error, bands.beyond_noise()) {
         (_, Some(_)) => "error from calibration hits, which scatter by more than the noise",

@@ -121,14 +121,11 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
         .copied()
         .filter(|line| estimated.is_valid(*line))
         .collect();
-    let mut quantities = vec![Quantity {
-        name: format!("valid lines, {label}"),
-        unit: "%".to_owned(),
-        value: (!in_band.is_empty()).then(|| 100.0 * valid.len() as f64 / in_band.len() as f64),
-        standard_error: None,
-        valid: true,
-        verdict: format!("{} of {} lines of the band", valid.len(), in_band.len()),
-    }];
+    let (n_valid, n_lines) = (valid.len(), in_band.len());
+    let share = (n_lines > 0).then(|| 100.0 * n_valid as f64 / n_lines as f64);
+    let of_lines = format!("{n_valid} of {n_lines} lines of the band");
+    let share = Quantity::of(format!("valid lines, {label}"), "%", share, of_lines);
+    let mut quantities = vec![share.valid_if(true)];
     for (coherence, hammer) in estimated.coherences.iter().zip(["first", "second"]) {
         let name = if estimated.coherences.len() > 1 {
             format!("lowest coherence, {label}, {hammer} hammer")
@@ -141,17 +138,16 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
             .copied()
             .filter(|line| coherence.values[*line].is_finite())
             .min_by(|a, b| coherence.values[*a].total_cmp(&coherence.values[*b]));
-        quantities.push(Quantity {
-            name,
-            unit: String::new(),
-            value: lowest.map(|line| coherence.values[line]),
-            standard_error: lowest.map(|line| errors[line]),
-            valid: lowest.is_some_and(|line| estimated.is_valid(line)),
-            verdict: lowest.map_or_else(
-                || "no line has a coherence".to_owned(),
-                |line| format!("at {}", hertz(coherence.frequency_hz[line])),
-            ),
-        });
+        let verdict = lowest.map_or_else(
+            || "no line has a coherence".to_owned(),
+            |line| format!("at {}", hertz(coherence.frequency_hz[line])),
+        );
+        let value = lowest.map(|line| coherence.values[line]);
+        quantities.push(
+            Quantity::of(name, "", value, verdict)
+                .with_error(lowest.map(|line| errors[line]))
+                .valid_if(lowest.is_some_and(|line| estimated.is_valid(line))),
+        );
     }
     let mut of_errors = "a single hit has no coherence and gives no random error".to_owned();
     if let Some(errors) = response.random_error() {
@@ -170,28 +166,19 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
             median,
             "of the magnitude on the valid lines of the band",
         ));
-        quantities.push(Quantity {
-            name: format!("largest random error, {label}"),
-            unit: "%".to_owned(),
-            value: largest.map(percent),
-            standard_error: None,
-            valid: largest.is_some(),
-            verdict: largest.map_or_else(
-                || "no line of the band is valid".to_owned(),
-                |line| {
-                    format!(
-                        "of the magnitude, at {}",
-                        hertz(response.frequency_hz[line])
-                    )
-                },
-            ),
-        });
+        let at = |line: usize| hertz(response.frequency_hz[line]);
+        let verdict = largest.map_or_else(
+            || "no line of the band is valid".to_owned(),
+            |line| format!("of the magnitude, at {}", at(line)),
+        );
+        let name = format!("largest random error, {label}");
+        quantities.push(Quantity::of(name, "%", largest.map(percent), verdict));
         if let (Some(median), Some(line)) = (median, largest) {
             of_errors = format!(
                 "the random error of a line is {} % in the median and up to {} %, at {}",
                 short(median),
                 short(percent(line)),
-                hertz(response.frequency_hz[line])
+                at(line)
             );
         }
     }
@@ -203,28 +190,22 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
             "systematic, of the complex line, in addition to the random error",
         ));
     }
-    quantities.push(Quantity {
-        name: format!("uncertainty of the calibration, {label}"),
-        unit: "%".to_owned(),
-        value: (estimated.calibration > 0.0).then_some(100.0 * estimated.calibration),
-        standard_error: None,
-        valid: estimated.calibration > 0.0,
-        verdict: if estimated.calibration > 0.0 {
-            "common to all lines, from the stated uncertainties of the sensors".to_owned()
-        } else {
-            "the sheet states no uncertainty of the sensors".to_owned()
+    let calibration = (estimated.calibration > 0.0).then_some(100.0 * estimated.calibration);
+    quantities.push(Quantity::of(
+        format!("uncertainty of the calibration, {label}"),
+        "%",
+        calibration,
+        match calibration {
+            Some(_) => "common to all lines, from the stated uncertainties of the sensors",
+            None => "the sheet states no uncertainty of the sensors",
         },
-    });
+    ));
     quantities.extend(of_two_hammers(estimated, output, &valid));
     quantities.extend(of_the_mass(estimated, label));
-    let calibration = if estimated.calibration > 0.0 {
-        format!(
-            "; the calibration adds {} %, common to all lines",
-            short(100.0 * estimated.calibration)
-        )
-    } else {
-        String::new()
-    };
+    let calibration = calibration.map_or_else(String::new, |percent| {
+        let percent = short(percent);
+        format!("; the calibration adds {percent} %, common to all lines")
+    });
     let leakage = estimated
         .largest_leakage(&valid)
         .map_or_else(String::new, |(line, leakage)| {
@@ -244,8 +225,8 @@ pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band
     Merit {
         quantities,
         sentence,
-        n_lines: in_band.len(),
-        n_valid: valid.len(),
+        n_lines,
+        n_valid,
         n_coherent: in_band
             .iter()
             .filter(|line| estimated.is_coherent(**line))
@@ -271,13 +252,10 @@ fn of_two_hammers(estimated: &Estimated, output: &str, valid: &[usize]) -> Optio
 
 fn of_the_mass(estimated: &Estimated, output: &str) -> Option<Quantity> {
     let completed = estimated.completed.as_ref()?;
-    Some(Quantity {
-        name: format!("apparent mass, {output}"),
-        unit: "kg".to_owned(),
-        value: Some(completed.apparent_mass),
-        standard_error: Some(completed.apparent_mass_standard_error),
-        valid: completed.apparent_mass.is_finite(),
-        verdict: "from the lines of the fitted band, to be compared with the weighed mass"
-            .to_owned(),
-    })
+    let mass = completed.apparent_mass;
+    let verdict = "from the lines of the fitted band, to be compared with the weighed mass";
+    let quantity = Quantity::of(format!("apparent mass, {output}"), "kg", mass, verdict)
+        .with_error(completed.apparent_mass_standard_error)
+        .valid_if(mass.is_finite());
+    Some(quantity)
 }

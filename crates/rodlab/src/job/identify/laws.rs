@@ -12,7 +12,7 @@ use maxwellid::{
 };
 
 use super::{IdentifySheet, words};
-use crate::outcome::{LogEntry, Outcome, Quantity};
+use crate::outcome::{LogEntry, Outcome, Quantity, finite, shown_unit};
 use crate::{InStep, RodlabError};
 
 /// Standing of the parameters of a law.
@@ -273,17 +273,11 @@ impl FittedLaw {
             (Standing::Possible, Role::Derived) => format!("derived; {}", estimate.verdict),
             (Standing::Possible, Role::Coordinate) => estimate.verdict.to_string(),
         };
-        Quantity {
-            name: format!("{}: {} {}", self.law.name(), estimate.name, estimate.symbol),
-            unit: if estimate.unit == "1" {
-                String::new()
-            } else {
-                estimate.unit.to_owned()
-            },
-            value: Some(estimate.value).filter(|value| value.is_finite()),
-            standard_error: Some(error).filter(|error| error.is_finite()),
-            valid: self.standing == Standing::Possible && estimate.verdict == Verdict::Identified,
-            verdict,
-        }
+        let is_possible = self.standing == Standing::Possible;
+        let name = format!("{}: {} {}", self.law.name(), estimate.name, estimate.symbol);
+        let (unit, value) = (shown_unit(estimate.unit), finite(estimate.value));
+        Quantity::of(name, unit, value, verdict)
+            .with_error(finite(error))
+            .valid_if(is_possible && estimate.verdict == Verdict::Identified)
     }
 }

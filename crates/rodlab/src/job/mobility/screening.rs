@@ -9,7 +9,7 @@ use labio::{FrequencyResponse, LineValidity};
 use super::MobilitySheet;
 use super::known::Known;
 use crate::digits::{hertz, short};
-use crate::outcome::{Quantity, Table};
+use crate::outcome::{Quantity, Table, finite};
 use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_with_signal};
 use crate::sheet::ValueWithUncertainty;
 use crate::{InStep, Outcome, RodlabError};
@@ -183,14 +183,10 @@ pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> 
         flag.map(ToString::to_string)
     };
     let mut add = |name: &str, unit: &str, value: f64, error: Option<f64>, flag: Option<String>| {
-        outcome.quantities.push(Quantity {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            value: Some(value).filter(|value| value.is_finite()),
-            standard_error: error.filter(|error| error.is_finite()),
-            valid: flag.is_none(),
-            verdict: flag.unwrap_or_else(|| "no objection".to_owned()),
-        });
+        let verdict = flag.as_deref().unwrap_or("no objection");
+        let quantity = Quantity::of(name, unit, finite(value), verdict);
+        let quantity = quantity.with_error(error.and_then(finite));
+        outcome.quantities.push(quantity.valid_if(flag.is_none()));
     };
     let causality = &screening.causality;
     add(

@@ -80,20 +80,16 @@ pub(super) fn state(
         }
         let OfSensors { name, unit, stated } = &of_sensors;
         let (size, error) = (stated * source.size, stated * source.standard_error);
-        outcome.quantities.push(Quantity {
-            name: format!("{name}, found"),
-            unit: (*unit).to_owned(),
-            value: Some(size),
-            standard_error: Some(error),
-            valid: !contradicts(source),
-            verdict: if contradicts(source) {
-                "contradicts the sheet".to_owned()
-            } else if source.standard_error < 0.5 {
-                "found from the lines".to_owned()
-            } else {
-                "as stated: the lines do not determine it well".to_owned()
-            },
-        });
+        let verdict = if contradicts(source) {
+            "contradicts the sheet"
+        } else if source.standard_error < 0.5 {
+            "found from the lines"
+        } else {
+            "as stated: the lines do not determine it well"
+        };
+        let quantity = Quantity::of(format!("{name}, found"), *unit, size, verdict);
+        let quantity = quantity.with_error(error).valid_if(!contradicts(source));
+        outcome.quantities.push(quantity);
         let against_stated = |size: f64, error: f64| {
             let found = with_unit(size, Some(error), unit);
             format!("{found}, stated (0 ± {}) {unit}", short(*stated))

@@ -246,18 +246,14 @@ fn say(
     let name = format!("{CHECK}{check}");
     match made {
         Ok(made) => {
-            outcome.quantities.push(Quantity {
-                name: format!("{name}{SUFFIX}"),
-                unit: String::new(),
-                value: Some(made.p_value),
-                standard_error: None,
-                valid: made.verdict != CheckVerdict::Failed,
-                verdict: match made.verdict {
-                    CheckVerdict::Passed => "passed".to_owned(),
-                    CheckVerdict::Failed => format!("failed at the level {}", made.level),
-                    _ => "undecided".to_owned(),
-                },
-            });
+            let verdict = match made.verdict {
+                CheckVerdict::Passed => "passed".to_owned(),
+                CheckVerdict::Failed => format!("failed at the level {}", made.level),
+                _ => "undecided".to_owned(),
+            };
+            let check = Quantity::of(format!("{name}{SUFFIX}"), "", made.p_value, verdict);
+            let holds = made.verdict != CheckVerdict::Failed;
+            outcome.quantities.push(check.valid_if(holds));
             if made.has_failed() {
                 outcome.doubt(in_words(&made, found));
             }

@@ -133,31 +133,20 @@ pub(super) fn state(
     );
     let is_trend = p_value < LEVEL;
     if trend.over_temperature {
-        outcome.quantities.push(Quantity {
-            name: "change of E' with temperature, by the hits".to_owned(),
-            unit: "1/K".to_owned(),
-            value: Some(slope),
-            standard_error: Some(standard_error),
-            valid: true,
-            verdict: format!(
-                "probability of such a value without a change: {}",
-                short(p_value)
-            ),
-        });
+        let name = "change of E' with temperature, by the hits";
+        let chance = short(p_value);
+        let verdict = format!("probability of such a value without a change: {chance}");
+        let quantity = Quantity::of(name, "1/K", slope, verdict);
+        outcome.quantities.push(quantity.with_error(standard_error));
         if is_trend {
             let said = format!("E' changes by {of_slope} per kelvin over the hits.");
             outcome.say(said);
         }
         return Ok(());
     }
-    outcome.quantities.push(Quantity {
-        name: format!("{CHECK}no trend of E' from hit to hit, p-value"),
-        unit: String::new(),
-        value: Some(p_value),
-        standard_error: None,
-        valid: !is_trend,
-        verdict: format!("{of_slope} from hit to hit"),
-    });
+    let name = format!("{CHECK}no trend of E' from hit to hit, p-value");
+    let check = Quantity::of(name, "", p_value, format!("{of_slope} from hit to hit"));
+    outcome.quantities.push(check.valid_if(!is_trend));
     if !is_trend {
         return Ok(());
     }

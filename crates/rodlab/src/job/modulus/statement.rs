@@ -288,14 +288,10 @@ fn at_frequencies<'a>(
             }
             None => {
                 if asked.is_some() {
-                    outcome.quantities.push(Quantity {
-                        name: format!("storage modulus at {}", hertz(f)),
-                        unit: "GPa".to_owned(),
-                        value: None,
-                        standard_error: None,
-                        valid: false,
-                        verdict: "no line within 2 % of this frequency".to_owned(),
-                    });
+                    let name = format!("storage modulus at {}", hertz(f));
+                    let verdict = "no line within 2 % of this frequency";
+                    let quantity = Quantity::of(name, "GPa", None::<f64>, verdict);
+                    outcome.quantities.push(quantity);
                 }
             }
         }
@@ -342,18 +338,14 @@ fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
             real,
         ),
     ] {
-        outcome.quantities.push(Quantity {
-            name: format!("{name} at {at}"),
-            unit: unit.to_owned(),
-            value: Some(value),
-            standard_error: Some(error),
-            valid,
-            verdict: if valid {
-                "valid".to_owned()
-            } else {
-                line.validity.to_string()
-            },
-        });
+        let verdict = match valid {
+            true => "valid".to_owned(),
+            false => line.validity.to_string(),
+        };
+        let quantity = Quantity::of(format!("{name} at {at}"), unit, value, verdict);
+        outcome
+            .quantities
+            .push(quantity.with_error(error).valid_if(valid));
     }
 }
 

@@ -9,7 +9,7 @@ use cmod::recovery::fit::{
 use super::{Found, RecoverySheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, significant, to_error, with_error};
-use crate::outcome::Quantity;
+use crate::outcome::{Quantity, finite, shown_unit};
 
 /// Number of standard deviations by which χ² of the readings may exceed its expected value. If it
 /// exceeds it by more, the model or the stated errors are wrong.
@@ -154,17 +154,13 @@ fn quantity(estimate: &Estimate) -> Quantity {
             None
         }
     };
-    Quantity {
-        name: format!("{} ({})", estimate.name, estimate.symbol),
-        unit: match estimate.unit {
-            "1" => String::new(),
-            unit => unit.to_owned(),
-        },
-        value: identified.then_some(estimate.value),
-        standard_error: standard_error.filter(|error| identified && error.is_finite()),
-        valid: identified,
-        verdict,
-    }
+    let name = format!("{} ({})", estimate.name, estimate.symbol);
+    let (unit, value) = (
+        shown_unit(estimate.unit),
+        identified.then_some(estimate.value),
+    );
+    Quantity::of(name, unit, value, verdict)
+        .with_error(standard_error.filter(|error| identified && error.is_finite()))
 }
 
 /// Adds initial change and recovery time of each test, from equation 4 of paper C. If the errors
@@ -204,18 +200,17 @@ fn of_single_tests(
                     ),
                 ] {
                     let determined = error < 0.5;
-                    outcome.quantities.push(Quantity {
-                        name: format!("{what}, {name} alone"),
-                        unit: unit.to_owned(),
-                        value: determined.then_some(value),
-                        standard_error: determined.then_some(value * error),
-                        valid: determined && misfit.is_none(),
-                        verdict: match &misfit {
-                            _ if !determined => "not determined by this test alone".to_owned(),
-                            Some(misfit) => misfit.clone(),
-                            None => "determined by this test".to_owned(),
-                        },
-                    });
+                    let verdict = match &misfit {
+                        _ if !determined => "not determined by this test alone",
+                        Some(misfit) => misfit,
+                        None => "determined by this test",
+                    };
+                    let (name, found) =
+                        (format!("{what}, {name} alone"), determined.then_some(value));
+                    let quantity = Quantity::of(name, unit, found, verdict)
+                        .with_error(determined.then_some(value * error))
+                        .valid_if(determined && misfit.is_none());
+                    outcome.quantities.push(quantity);
                 }
             }
             Err(error) => outcome.reject(format!("{name} by itself"), error),
@@ -279,14 +274,11 @@ pub(super) fn predict(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Cm
     for (name, test) in &found.predictions {
         let times = [60.0, 600.0, 3600.0];
         for (time, point) in times.iter().zip(found.curve(test, &times)?) {
-            outcome.quantities.push(Quantity {
-                name: format!("change of the loss factor {time:.0} s after {name}, predicted"),
-                unit: String::new(),
-                value: Some(point.change),
-                standard_error: Some(point.standard_error).filter(|error| error.is_finite()),
-                valid: point.standard_error.is_finite(),
-                verdict: "from the common model".to_owned(),
-            });
+            let name = format!("change of the loss factor {time:.0} s after {name}, predicted");
+            let error = finite(point.standard_error);
+            let quantity = Quantity::of(name, "", point.change, "from the common model");
+            let quantity = quantity.with_error(error).valid_if(error.is_some());
+            outcome.quantities.push(quantity);
         }
     }
     Ok(())

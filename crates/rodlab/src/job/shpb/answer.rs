@@ -5,7 +5,7 @@ use impulse::hopkinson::{Curve, HopkinsonResult};
 use super::ShpbSheet;
 use super::tables::{LEVEL, peak};
 use crate::digits::{significant, with_error, with_unit};
-use crate::outcome::{CHECK, Quantity};
+use crate::outcome::{CHECK, Quantity, finite};
 use crate::{InStep, Outcome, RodlabError};
 
 /// Largest relative difference between errors from draws and linear errors that is not reported.
@@ -178,10 +178,7 @@ pub(super) fn state(
 
 /// Returns a quantity that is stated if it is finite, with its standard error if that is finite.
 pub(super) fn stated(name: &str, unit: &str, value: f64, error: Option<f64>) -> Quantity {
-    Quantity {
-        standard_error: error.filter(|error| error.is_finite()),
-        ..Quantity::of(name, unit, value.is_finite().then_some(value), "valid")
-    }
+    Quantity::of(name, unit, finite(value), "valid").with_error(error.and_then(finite))
 }
 
 /// Returns `shot 2: ` if there are several shots.
