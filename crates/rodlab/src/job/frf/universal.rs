@@ -1,10 +1,10 @@
 //! Responses and coherences in a universal file for other programs.
 
-use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesKind};
+use labio::{Abscissa, Contents, Ordinate, Series, SeriesKind};
 
 use super::Named;
 use crate::RodlabError;
-use crate::outcome::Attachment;
+use crate::outcome::{Attachment, shown_unit};
 use crate::responses::{AVERAGES, COMMON_ERROR, FREEDOM, MOST_FREEDOM, STANDARD_ERROR};
 use crate::universal::{self, axis, property};
 
@@ -33,6 +33,10 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
         };
         let (input_quantity, output_quantity) =
             (response.input.quantity(), response.output.quantity());
+        let units = (
+            shown_unit(output_quantity.unit()),
+            shown_unit(input_quantity.unit()),
+        );
         let damped = if response.added_damping.is_some() {
             ", under an exponential window"
         } else {
@@ -48,7 +52,7 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
             abscissa: abscissa(first),
             ordinate: Ordinate::Complex(response.values.iter().skip(first).copied().collect()),
             abscissa_axis: axis("Frequency", "Hz"),
-            ordinate_axis: axis(output_quantity.name(), unit(output_quantity)),
+            ordinate_axis: axis(output_quantity.name(), units.0),
             properties: [
                 property("id2", title),
                 property("id3", &format!("{AVERAGES}{}", response.n_averages)),
@@ -58,7 +62,7 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
                 property("reference_node", &node.to_string()),
                 property("reference_direction", "1"),
                 property("denominator_label", input_quantity.name()),
-                property("denominator_unit", unit(input_quantity)),
+                property("denominator_unit", units.1),
             ]
             .into_iter()
             .chain(universal::damping(response.added_damping))
@@ -68,7 +72,6 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
         let roots = roots.map(|variance| variance.iter().map(|v| v.sqrt()).collect());
         let freedom = response.degrees_of_freedom.as_ref();
         let freedom = freedom.map(|freedom| freedom.iter().map(|f| f.min(MOST_FREEDOM)).collect());
-        let units = (unit(output_quantity), unit(input_quantity));
         for (what, note, (over, under), values) in [
             (
                 STANDARD_ERROR,
@@ -130,12 +133,4 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
         }
     }
     universal::attachment(&contents, "frf.uff")
-}
-
-/// Returns the unit as text; empty for a pure number.
-fn unit(quantity: Quantity) -> &'static str {
-    match quantity.unit() {
-        "1" => "",
-        unit => unit,
-    }
 }

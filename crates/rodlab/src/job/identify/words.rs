@@ -4,11 +4,12 @@ use maxwellid::profile::Profile;
 use maxwellid::{Estimate, Scale};
 
 use crate::digits::{prefix_for, significant};
+use crate::outcome::shown_unit;
 
 /// Returns value and unit, such as `2.601 GPa`.
 fn with_unit(value: f64, unit: &str, digits: usize) -> String {
     let (size, prefix) = prefix_for(value, unit);
-    let unit = if unit == "1" { "" } else { unit };
+    let unit = shown_unit(unit);
     format!("{} {prefix}{unit}", significant(value / size, digits))
         .trim_end()
         .to_owned()
@@ -95,7 +96,7 @@ impl Shown {
         } else {
             Box::new(|value| value)
         };
-        let unit = if unit == "1" { "" } else { unit };
+        let unit = shown_unit(unit);
         Self {
             name,
             unit: format!("{prefix}{unit}"),
