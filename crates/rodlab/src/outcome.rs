@@ -121,6 +121,14 @@ impl Outcome {
         }
     }
 
+    /// States that the data do not allow an answer, like [`Self::refuse`], and `denial` and reason
+    /// as the first finding.
+    pub(crate) fn deny(&mut self, denial: &str, reason: impl Into<String>) {
+        let reason = reason.into();
+        self.summary.insert(0, format!("{denial}: {reason}."));
+        self.refuse(reason);
+    }
+
     /// Puts the settings that the sheet states before the defaults of the others.
     pub(crate) fn settle_settings(&mut self, mut stated: Vec<Setting>) {
         let mut open = std::mem::take(&mut self.settings);

@@ -86,8 +86,7 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
         sets.push(found);
     }
     if let Some(reason) = too_few(sheet, &sets) {
-        outcome.say(format!("No frequency response: {reason}."));
-        outcome.refuse(reason);
+        outcome.deny("No frequency response", reason);
         return Ok(outcome);
     }
     expect_different_files(&outcome.inputs)?;
@@ -363,10 +362,7 @@ fn report(
             hertz(band.to_hz),
             sheet.inputs().join("` or `")
         );
-        outcome
-            .summary
-            .insert(0, format!("No frequency response: {reason}."));
-        outcome.refuse(reason);
+        outcome.deny("No frequency response", reason);
     }
 }
 

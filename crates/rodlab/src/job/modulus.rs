@@ -265,11 +265,7 @@ pub(super) fn run_with(
     outcome.doubt_all(&measured.doubts);
     context.has_read_all(&outcome.inputs, &outcome.warnings)?;
     let Some(spectra) = &measured.spectra else {
-        let reason = measured.missing.clone();
-        outcome
-            .summary
-            .insert(0, format!("There is no modulus: {reason}."));
-        outcome.refuse(reason);
+        outcome.deny("There is no modulus", measured.missing.as_str());
         return Ok(outcome);
     };
 

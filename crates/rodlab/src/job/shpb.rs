@@ -56,8 +56,7 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
                 | impulse::ImpulseError::TransmittedFirst { .. }),
             ) => {
                 let reason = format!("{}{error}", answer::shot(at, shots.len()));
-                outcome.say(format!("There is no stress-strain curve: {reason}."));
-                outcome.refuse(reason);
+                outcome.deny("There is no stress-strain curve", reason);
                 return Ok(outcome);
             }
             Err(error) => {

@@ -21,6 +21,8 @@ use crate::{Outcome, RodlabError};
 /// rounded sampling rate cause smaller differences.
 const SAME_LINES: f64 = 1e-4;
 
+const NO_FORCE: &str = "There is no force";
+
 pub(super) fn run(
     sheet: &ResponseSheet,
     context: &JobContext<'_>,
@@ -88,13 +90,10 @@ pub(super) fn run(
     };
     let Some(record) = blow.cloned() else {
         context.has_read_all(&outcome.inputs, &outcome.warnings)?;
-        refuse(
-            outcome,
-            format!(
-                "none of {} hits of the record is accepted: the log states why",
-                found.n_found()
-            ),
-        );
+        let n_found = found.n_found();
+        let reason =
+            format!("none of {n_found} hits of the record is accepted: the log states why");
+        outcome.deny(NO_FORCE, reason);
         return Ok(());
     };
     outcome.doubt_all(windows_of_analyser(&[&record], &responses_of(sheet))?);
@@ -114,15 +113,13 @@ pub(super) fn run(
     if let Some((_, found)) = &calibration {
         let accepted = found.accepted();
         if accepted.len() < 2 {
-            refuse(
-                outcome,
-                format!(
-                    "{} of {} calibration hits are accepted, and at least 2 are needed: the log states what is wrong with the others{}",
-                    accepted.len(),
-                    found.n_found(),
-                    remedy(sheet, found)
-                ),
+            let reason = format!(
+                "{} of {} calibration hits are accepted, and at least 2 are needed: the log states what is wrong with the others{}",
+                accepted.len(),
+                found.n_found(),
+                remedy(sheet, found)
             );
+            outcome.deny(NO_FORCE, reason);
             return Ok(());
         }
         for hits in &sources {
@@ -202,7 +199,7 @@ pub(super) fn run(
     let solved = match response_solve::solve(&problem)? {
         Ok(solved) => solved,
         Err(reason) => {
-            refuse(outcome, reason);
+            outcome.deny(NO_FORCE, reason);
             return Ok(());
         }
     };
@@ -240,13 +237,6 @@ fn remedy(sheet: &ResponseSheet, found: &FoundHits) -> String {
     } else {
         String::new()
     }
-}
-
-fn refuse(outcome: &mut Outcome, reason: String) {
-    outcome
-        .summary
-        .insert(0, format!("There is no force: {reason}."));
-    outcome.refuse(reason);
 }
 
 fn responses_of(sheet: &ResponseSheet) -> Vec<&str> {

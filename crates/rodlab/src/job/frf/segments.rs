@@ -84,8 +84,7 @@ pub(super) fn run(
     let stated = (silent > 0).then_some(silent);
     let spectra = with_silence(spectra, &whole, stated, &channels, "silent")?;
     if let Some(reason) = too_few(&spectra, inputs.len()) {
-        outcome.say(format!("No frequency response: {reason}."));
-        outcome.refuse(reason);
+        outcome.deny("No frequency response", reason);
         return Ok(outcome);
     }
     let band = band_of(sheet, &spectra)?;

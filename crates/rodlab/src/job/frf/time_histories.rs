@@ -83,18 +83,15 @@ fn panel(
 ) -> Result<Panel, RodlabError> {
     let mut marks = Vec::with_capacity(drawn.len() + 3);
     let mut unit = "";
-    let (mut named_accepted, mut named_rejected) = (false, false);
+    let mut named = None;
     let mut peak: f64 = 0.0;
     for found in drawn {
         let Some(record) = found.hit.record() else {
             continue;
         };
         let samples = record.channel(channel).in_step("drawing hits")?;
-        unit = record
-            .channels()
-            .iter()
-            .find(|c| c.name() == channel)
-            .map_or("", |c| c.quantity().unit());
+        let known = record.channels().iter().find(|c| c.name() == channel);
+        unit = known.map_or("", |c| c.quantity().unit());
         let accepted = found.hit.is_accepted();
         if accepted {
             peak = samples.iter().fold(peak, |peak, x| peak.max(x.abs()));
@@ -104,12 +101,8 @@ fn panel(
             .enumerate()
             .map(|(index, sample)| (MS * (record.time_at(index) - found.hit.time()), *sample))
             .filter(|(time, _)| about.contains(time));
-        let named = if accepted {
-            &mut named_accepted
-        } else {
-            &mut named_rejected
-        };
-        let name = match (std::mem::replace(named, true), accepted) {
+        // the rejected hits come first, and the first hit of each kind has a name
+        let name = match (named.replace(accepted) == Some(accepted), accepted) {
             (true, _) => "",
             (false, true) => "accepted hits",
             (false, false) => "rejected hits",

@@ -41,10 +41,8 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
             "none of {} is valid: {why}",
             lines(all.len() + found.estimate.refused().len())
         );
-        let no_modulus = format!("There is no modulus: {reason}.");
-        outcome.summary.insert(0, no_modulus);
+        outcome.deny("There is no modulus", reason);
         outcome.summary.extend(reasons.advice_in_words());
-        outcome.refuse(reason);
         at_frequencies(outcome, found, &[]);
         return;
     };
