@@ -14,7 +14,7 @@ use crate::outcome::InputFile;
 use crate::output::SOFTWARE;
 
 /// A sheet of a campaign, with the files and hashes on which its result depends.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Listed {
     /// Name of the test, which is the path of its result in the campaign.
     pub test: String,
@@ -50,11 +50,7 @@ fn one(test: &Test, interrupted: &AtomicBool) -> Result<Listed, RodlabError> {
     let mut listed = Listed {
         test: test.name.clone(),
         sheet: test.sheet.to_string_lossy().into_owned(),
-        job: None,
-        sha256: None,
-        inputs: Vec::new(),
-        key: None,
-        error: None,
+        ..Listed::default()
     };
     let read = Sheet::read(&test.sheet).and_then(|sheet| {
         listed.sha256 = Some(finished::identity_of(&sheet).sha256);

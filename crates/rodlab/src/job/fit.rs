@@ -177,19 +177,10 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     check(sheet)?;
     outcome.settings = sheet.defaults();
     context.progress.begins("reading", 0);
-    let read = columns::read(sheet, context)?;
-    expect_different_files(&read.inputs)?;
-    outcome.inputs = read.inputs;
-    outcome.warnings = read.warnings;
-    outcome.log = read.log;
+    let rows = columns::read(sheet, context, &mut outcome)?;
+    expect_different_files(&outcome.inputs)?;
     let error_scale = errors::scale(sheet);
-    let all = steps::of(
-        sheet,
-        read.rows,
-        error_scale,
-        context.language,
-        &mut outcome,
-    )?;
+    let all = steps::of(sheet, rows, error_scale, context.language, &mut outcome)?;
     errors::judge_losses(&mut outcome, &all);
     errors::judge_rises(&mut outcome, &all)?;
     if all.len() > 1 && sheet.reference_temperature.is_none() {

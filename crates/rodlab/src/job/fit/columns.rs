@@ -10,13 +10,13 @@ use super::errors::{self, ErrorsSheet};
 use super::steps::StepsSheet;
 use super::table_file::TableFile;
 use super::units::{UnitsSheet, Wanted};
-use crate::RodlabError;
 use crate::digits::{hertz, short};
 use crate::input;
 use crate::job::JobContext;
-use crate::outcome::{InputFile, LogEntry};
+use crate::outcome::InputFile;
 use crate::records::{self, Selector};
 use crate::sheet::{Duration, Exact, Temperature, plausible};
+use crate::{Outcome, RodlabError};
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::TransientTest;
 
@@ -197,21 +197,13 @@ impl Row {
     }
 }
 
-/// All rows with the files from which they were read.
-pub(super) struct Read {
-    pub(super) rows: Vec<Row>,
-    pub(super) inputs: Vec<InputFile>,
-    pub(super) warnings: Vec<String>,
-    pub(super) log: Vec<LogEntry>,
-}
-
-pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, RodlabError> {
-    let mut read = Read {
-        rows: Vec::new(),
-        inputs: Vec::new(),
-        warnings: Vec::new(),
-        log: Vec::new(),
-    };
+/// Returns all rows, and enters the files from which they were read in `outcome`.
+pub(super) fn read(
+    sheet: &FitSheet,
+    context: &JobContext<'_>,
+    outcome: &mut Outcome,
+) -> Result<Vec<Row>, RodlabError> {
+    let mut all = Vec::new();
     for (index, table) in sheet.tables.iter().enumerate() {
         let field = format!("tables[{index}]");
         let mut beyond = Vec::new();
@@ -219,25 +211,23 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
             context.check_cancelled()?;
             let bytes = input::read(&found.path)?;
             let file = TableFile::of(&bytes, found.shown, &field)?;
-            let rows = rows(sheet, table, &file, read.inputs.len())?;
+            let rows = rows(sheet, table, &file, outcome.inputs.len())?;
             let growing = file.lines().len() - rows.len();
             if table.time.is_some() && growing > 0 {
-                read.log.push(LogEntry::rejected(
-                    file.path.clone(),
-                    format!("{growing} row(s) before the load was held, or outside `times`"),
-                ));
+                let reason = "before the load was held, or outside `times`";
+                outcome.reject(file.path.as_str(), format!("{growing} row(s) {reason}"));
             }
-            read.rows.extend(rows);
+            all.extend(rows);
             beyond.extend(file.beyond.map(|line| (file.path, line)));
-            read.warnings.extend(file.warnings);
-            read.log.extend(file.log);
-            read.inputs.push(InputFile {
+            outcome.warnings.extend(file.warnings);
+            outcome.log.extend(file.log);
+            outcome.inputs.push(InputFile {
                 pattern: Some(found.pattern),
                 ..file.input
             });
         }
         if let Some((path, line)) = beyond.first() {
-            read.warnings.push(format!(
+            outcome.warn(format!(
                 "The rows of {} are followed by text that is not a row of numbers and was ignored: {line}.",
                 if beyond.len() == 1 {
                     path.clone()
@@ -247,7 +237,7 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
             ));
         }
     }
-    if read.rows.is_empty() {
+    if all.is_empty() {
         let has_times = sheet.tables.iter().any(|table| table.time.is_some());
         let found = sheet.band.as_ref().map_or_else(
             || {
@@ -262,7 +252,7 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
         );
         return Err(RodlabError::request("tables", found, "rows of moduli"));
     }
-    Ok(read)
+    Ok(all)
 }
 
 fn rows(

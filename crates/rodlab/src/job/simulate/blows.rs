@@ -148,6 +148,7 @@ impl BlowsSheet {
 }
 
 /// Records of several events.
+#[derive(Default)]
 pub(super) struct Recorded {
     pub(super) records: Vec<Record>,
     pub(super) files: Vec<Attachment>,
@@ -159,11 +160,8 @@ pub(super) struct Recorded {
 impl Recorded {
     pub(super) fn by(generator: &str) -> Self {
         Self {
-            records: Vec::new(),
-            files: Vec::new(),
-            log: Vec::new(),
-            warnings: Vec::new(),
             generator: generator.to_owned(),
+            ..Self::default()
         }
     }
 
