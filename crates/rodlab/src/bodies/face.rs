@@ -200,27 +200,18 @@ fn chain(
         end: None,
     };
     for (at, element) in elements.iter().enumerate() {
-        let diameters = match element {
-            ElementSheet::Rod { diameter, .. } => vec![("diameter", diameter)],
-            ElementSheet::Cone { near, far, .. } | ElementSheet::Horn { near, far, .. } => {
-                vec![("near", near), ("far", far)]
+        let place = format!("{field}.elements[{at}]");
+        let material = match element.solid() {
+            None => None,
+            Some((material, diameters)) => {
+                for (name, diameter) in diameters {
+                    plausible::diameter(diameter, format!("{place}.{name}"))?;
+                }
+                let place = format!("{place}.material");
+                Some(material_called(materials, material, &place)?)
             }
-            _ => Vec::new(),
         };
-        for (name, diameter) in diameters {
-            plausible::diameter(diameter, format!("{field}.elements[{at}].{name}"))?;
-        }
-        let name = match element {
-            ElementSheet::Rod { material, .. }
-            | ElementSheet::Cone { material, .. }
-            | ElementSheet::Horn { material, .. } => Some(material),
-            _ => None,
-        };
-        let place = format!("{field}.elements[{at}].material");
-        placed.elements.push(
-            name.map(|name| material_called(materials, name, &place))
-                .transpose()?,
-        );
+        placed.elements.push(material);
     }
     if let EndSheet::LongRod { material, diameter } = end {
         plausible::diameter(diameter, format!("{field}.end.diameter"))?;

@@ -32,7 +32,9 @@ impl BodySheet {
         match self {
             Self::LongRod { material, diameter } => parts.push((material, diameter)),
             Self::Chain { elements, end } => {
-                parts.extend(elements.iter().flat_map(ends));
+                for (material, diameters) in elements.iter().filter_map(ElementSheet::solid) {
+                    parts.extend(diameters.iter().map(|(_, diameter)| (material, *diameter)));
+                }
                 if let EndSheet::LongRod { material, diameter } = end {
                     parts.push((material, diameter));
                 }
@@ -48,24 +50,27 @@ impl BodySheet {
     }
 }
 
-/// Returns the material and the diameters of an element in which waves propagate.
-fn ends(element: &ElementSheet) -> Vec<(&str, &Stated<Length>)> {
-    match element {
-        ElementSheet::Rod {
-            material, diameter, ..
-        } => vec![(material, diameter)],
-        ElementSheet::Cone {
-            material,
-            near,
-            far,
-            ..
+impl ElementSheet {
+    /// Returns the material and the diameters of an element in which waves propagate, with the
+    /// fields of the diameters.
+    pub(super) fn solid(&self) -> Option<(&str, Vec<(&'static str, &Stated<Length>)>)> {
+        match self {
+            Self::Rod {
+                material, diameter, ..
+            } => Some((material, vec![("diameter", diameter)])),
+            Self::Cone {
+                material,
+                near,
+                far,
+                ..
+            }
+            | Self::Horn {
+                material,
+                near,
+                far,
+                ..
+            } => Some((material, vec![("near", near), ("far", far)])),
+            Self::Mass(_) | Self::Spring(_) | Self::Dashpot(_) => None,
         }
-        | ElementSheet::Horn {
-            material,
-            near,
-            far,
-            ..
-        } => vec![(material, near), (material, far)],
-        ElementSheet::Mass(_) | ElementSheet::Spring(_) | ElementSheet::Dashpot(_) => Vec::new(),
     }
 }
