@@ -3,7 +3,7 @@
 use super::bodies::FaceBody;
 use super::impact_lines::on_lines;
 use super::impact_march;
-use super::impact_sheet::{ContactSheet, ImpactSheet};
+use super::impact_sheet::{ContactSheet, ImpactSheet, SEED};
 use super::impact_tables::Found;
 use super::{impact_figures, impact_tables};
 use crate::bodies::material_sheet::Materials;
@@ -116,7 +116,7 @@ fn defaults(
         if uncertainty.is_none_or(|stated| stated.draws.is_none()) {
             outcome.by_default("problem.uncertainty.draws_of_march", impact_march::DRAWS);
         }
-        outcome.by_default("problem.uncertainty.seed", impact_march::SEED);
+        outcome.by_default("problem.uncertainty.seed", SEED);
     }
     outcome.by_default("problem.contact", ContactSheet::default().in_words());
     Ok(())

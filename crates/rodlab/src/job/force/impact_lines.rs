@@ -12,7 +12,7 @@ use super::bodies::FaceBody;
 use super::draws::Draws;
 use super::histories::{times, with_band};
 use super::impact_march::khz;
-use super::impact_sheet::{ContactSheet, ImpactSheet};
+use super::impact_sheet::{ContactSheet, ImpactSheet, SEED};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
 use crate::digits::with_unit;
@@ -33,8 +33,6 @@ const DRAWS: usize = 400;
 /// Number of draws for the band of the whole contact; its width is a quantile of the largest
 /// deviation.
 const DRAWS_OF_BAND: usize = 1000;
-const SEED: u64 = 1;
-const LEVEL: f64 = 0.95;
 
 /// The stick force with its errors.
 pub(super) struct OnLines {
@@ -228,19 +226,7 @@ fn bands(
     outcome: &mut Outcome,
 ) -> Result<Bands, RodlabError> {
     let chosen = sheet.uncertainty.clone().unwrap_or_default();
-    let draws = chosen.draws.unwrap_or(DRAWS);
-    let seed = chosen.seed.unwrap_or(SEED);
-    let level = chosen.level.as_ref().map_or(LEVEL, Exact::si);
-    outcome.by_default("problem.uncertainty.draws", draws);
-    if outcome
-        .settings
-        .iter()
-        .all(|known| known.name != "problem.uncertainty.seed")
-    {
-        outcome.by_default("problem.uncertainty.seed", seed);
-    }
-    outcome.by_default("problem.uncertainty.level", level);
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (draws, level, mut random) = chosen.settled(DRAWS, outcome);
     let history = &stick.history;
     let error = problem.error(uncertainty).in_step("problem.uncertainty")?;
     let threshold = THRESHOLD * history.peak().force.abs();

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::bodies::FaceBody;
 use super::draws::Draws;
-use super::impact_sheet::ImpactSheet;
+use super::impact_sheet::{ImpactSheet, SEED};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
 use crate::job::JobContext;
@@ -25,7 +25,6 @@ const MOST_STEPS_OF_DRAWS: f64 = 1e5;
 
 /// Default number of draws of the march: the standard deviation is then known to 5 %.
 pub(super) const DRAWS: usize = 200;
-pub(super) const SEED: u64 = 1;
 
 /// Returns the band of the force as stated in the sheet; by default up to 10 kHz as in paper E, or
 /// up to half of the highest frequency of a measured body.

@@ -1,13 +1,15 @@
 //! The sheet of two bodies that meet.
 
 use impulse::{ContactLaw, ElasticMaterial, TabulatedContact};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
 use crate::bodies::face::BodySheet;
 use crate::sheet::{
     Duration, Exact, Force, Frequency, Length, Pressure, Ratio, Stated, Stiffness, Velocity,
 };
-use crate::{InStep, RodlabError};
+use crate::{InStep, Outcome, RodlabError};
 
 /// Two bodies that meet.
 #[derive(Debug, Clone, Deserialize)]
@@ -139,4 +141,26 @@ pub struct UncertaintySheet {
     pub seed: Option<u64>,
     /// Probability of the bands; by default 95 %.
     pub level: Option<Exact<Ratio>>,
+}
+
+/// Default seed of the draws.
+pub(super) const SEED: u64 = 1;
+/// Default probability of the bands.
+const LEVEL: f64 = 0.95;
+
+impl UncertaintySheet {
+    /// Returns the number of draws, which is `usual` by default, the probability of the bands, and
+    /// random numbers. The defaults are entered in `outcome`.
+    pub(super) fn settled(&self, usual: usize, outcome: &mut Outcome) -> (usize, f64, ChaCha8Rng) {
+        let draws = self.draws.unwrap_or(usual);
+        let seed = self.seed.unwrap_or(SEED);
+        let level = self.level.as_ref().map_or(LEVEL, Exact::si);
+        outcome.by_default("problem.uncertainty.draws", draws);
+        let name = "problem.uncertainty.seed";
+        if outcome.settings.iter().all(|known| known.name != name) {
+            outcome.by_default(name, seed);
+        }
+        outcome.by_default("problem.uncertainty.level", level);
+        (draws, level, ChaCha8Rng::seed_from_u64(seed))
+    }
 }

@@ -4,20 +4,15 @@ use impulse::{
     CalibrationScatter, ChoiceVerdict, ExclusionReason, ForceBand, ForceError, RandomErrorOfForce,
     ReconstructedForce, ResponseEnd,
 };
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use super::response_band;
 use super::response_problem::{Noise, Problem};
 use super::response_solve::window;
 use crate::digits::{significant, with_unit};
 use crate::outcome::{Quantity, finite};
-use crate::sheet::Exact;
 use crate::{InStep, Outcome, RodlabError};
 
 const DRAWS: usize = 1000;
-const SEED: u64 = 1;
-const LEVEL: f64 = 0.95;
 
 /// Largest weighted residual per degree of freedom attributed to noise alone.
 const CHI_SQUARE: f64 = 1.5;
@@ -77,13 +72,7 @@ pub(super) fn bands(
     outcome: &mut Outcome,
 ) -> Result<Bands, RodlabError> {
     let chosen = &problem.sheet.uncertainty;
-    let draws = chosen.draws.unwrap_or(DRAWS);
-    let seed = chosen.seed.unwrap_or(SEED);
-    let level = chosen.level.as_ref().map_or(LEVEL, Exact::si);
-    outcome.by_default("problem.uncertainty.draws", draws);
-    outcome.by_default("problem.uncertainty.seed", seed);
-    outcome.by_default("problem.uncertainty.level", level);
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (draws, level, mut random) = chosen.settled(DRAWS, outcome);
     let history = &solved.history;
     let window = window(problem);
     let by_noise = solved.error.known();
