@@ -138,10 +138,7 @@ fn seen(
     let step = |error| RodlabError::step(place("response"), error);
     let path = on_lines_of(path, record, name)?;
     let samples = record.channel(name).map_err(step)?.to_vec();
-    let channel = record
-        .channels()
-        .iter()
-        .find(|channel| channel.name() == name);
+    let channel = record.channels().iter().find(|c| c.name() == name);
     let unit = channel.map_or("", |channel| channel.quantity().unit());
     let noise = match (noise, channel) {
         (NoiseSheet::White(level), Some(channel)) => {

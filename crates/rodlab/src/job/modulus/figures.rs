@@ -1,6 +1,7 @@
 //! Figures of a modulus: modulus and loss factor with their bands, Cole-Cole plot, dispersion,
 //! number of half waves, coherence.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use cmod::ModulusLine;
@@ -10,6 +11,7 @@ use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 use super::Found;
 use super::lines::sources_of;
 use super::reasons::Reasons;
+use super::statement::unit_of;
 
 /// Half width of a band, in standard errors.
 const BAND: f64 = 2.0;
@@ -154,12 +156,7 @@ fn shown<'a>(lines: &[&'a ModulusLine]) -> Vec<&'a ModulusLine> {
 /// Returns factor and unit of a modulus.
 fn giga(lines: &[&ModulusLine]) -> (f64, &'static str) {
     let valid = lines.iter().filter(|line| line.validity.is_valid());
-    let largest = valid.map(|line| line.modulus.re).fold(0.0, f64::max);
-    if largest >= 0.1e9 {
-        (1e-9, "GPa")
-    } else {
-        (1e-6, "MPa")
-    }
+    unit_of(valid.map(|line| line.modulus.re).fold(0.0, f64::max))
 }
 
 /// Returns frequency \[kHz\] and `value` of each line. The value is NaN for invalid lines if
@@ -215,59 +212,45 @@ fn range(edges: &[(f64, f64, f64)]) -> Option<[f64; 2]> {
 }
 
 /// Returns the frequency ranges of invalid lines, each with the most frequent reason of its lines.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`lines` are all lines of the estimate, and each has its list of reasons"
-)]
 fn greyed(lines: &[&ModulusLine], reasons: &Reasons) -> Vec<Greyed> {
     let (Some(first), Some(last)) = (lines.first(), lines.last()) else {
         return Vec::new();
     };
     let least = LEAST_WIDTH * (last.frequency_hz - first.frequency_hz);
     let mut greyed = Vec::new();
-    let mut start = 0;
-    while start < lines.len() {
-        if lines[start].validity.is_valid() {
-            start += 1;
+    let mut end = 0;
+    for run in lines.chunk_by(|a, b| a.validity.is_valid() == b.validity.is_valid()) {
+        let start = end;
+        end += run.len();
+        let (Some(first), Some(last)) = (run.first(), run.last()) else {
             continue;
-        }
-        let length = lines[start..]
-            .iter()
-            .take_while(|line| !line.validity.is_valid())
-            .count();
-        let end = start + length - 1;
+        };
         // a range ends halfway to the neighbouring valid line
-        let edge = |inside: usize, outside: Option<usize>| {
-            let f = lines[inside].frequency_hz;
+        let edge = |inside: &ModulusLine, outside: Option<usize>| {
             let beyond = outside.and_then(|index| lines.get(index));
+            let f = inside.frequency_hz;
             beyond.map_or(f, |line| 0.5 * (f + line.frequency_hz))
         };
-        let (from, to) = (edge(start, start.checked_sub(1)), edge(end, Some(end + 1)));
-        if to - from > least {
+        let (from, to) = (edge(first, start.checked_sub(1)), edge(last, Some(end)));
+        if !first.validity.is_valid() && to - from > least {
             greyed.push(Greyed {
                 from: 1e-3 * from,
                 to: 1e-3 * to,
-                because: commonest(&reasons.of_line[start..=end]),
+                because: commonest(reasons.of_line.get(start..end).unwrap_or_default()),
             });
         }
-        start = end + 1;
     }
     greyed
 }
 
 fn commonest(of_lines: &[Vec<&'static str>]) -> String {
-    let mut counts: Vec<(&'static str, usize)> = Vec::new();
+    let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
     for reason in of_lines.iter().flatten() {
-        match counts.iter_mut().find(|(known, _)| known == reason) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((reason, 1)),
-        }
+        *counts.entry(reason).or_default() += 1;
     }
     // of several reasons with the same count, the first in alphabetical order is used
-    counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
-    counts
-        .first()
-        .map_or_else(String::new, |(reason, _)| (*reason).to_owned())
+    let most = counts.into_iter().rev().max_by_key(|(_, count)| *count);
+    most.map_or_else(String::new, |(reason, _)| reason.to_owned())
 }
 
 fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figure {

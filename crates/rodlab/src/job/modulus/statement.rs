@@ -126,7 +126,8 @@ fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Rea
     let Some(line) = middle_of(&known, first, last) else {
         return false;
     };
-    let (modulus, unit) = in_pascal(line.modulus.re);
+    let (scale, unit) = unit_of(line.modulus.re);
+    let modulus = scale * line.modulus.re;
     let relative = line.standard_error.storage_modulus / line.modulus.re;
     outcome.summary.insert(
         0,
@@ -165,7 +166,8 @@ fn answer(
     all: usize,
 ) -> String {
     let (random, common) = (line.random_error(), line.systematic_error());
-    let (modulus, unit) = in_pascal(line.modulus.re);
+    let (scale, unit) = unit_of(line.modulus.re);
+    let modulus = scale * line.modulus.re;
     let parts = |value: f64, random: f64, common: f64| {
         let random = percent(random / value.abs());
         if common > 0.0 {
@@ -227,12 +229,12 @@ fn by_sources(line: &ModulusLine) -> String {
     format!("; they are due to {}", words.join(", "))
 }
 
-/// Returns the value in GPa or MPa, and the unit.
-fn in_pascal(value: f64) -> (f64, &'static str) {
-    if value.abs() >= 0.1e9 {
-        (1e-9 * value, "GPa")
+/// Returns the factor from Pa to GPa or MPa, as suits a modulus of this size \[Pa\], and the unit.
+pub(super) fn unit_of(modulus: f64) -> (f64, &'static str) {
+    if modulus.abs() >= 0.1e9 {
+        (1e-9, "GPa")
     } else {
-        (1e-6 * value, "MPa")
+        (1e-6, "MPa")
     }
 }
 
@@ -300,8 +302,7 @@ fn at_frequencies<'a>(
 fn of_line(outcome: &mut Outcome, line: &ModulusLine) {
     let at = hertz(line.frequency_hz);
     let error = &line.standard_error;
-    let (_, unit) = in_pascal(line.modulus.re);
-    let scale = if unit == "GPa" { 1e-9 } else { 1e-6 };
+    let (scale, unit) = unit_of(line.modulus.re);
     let (complex, real) = (
         line.validity.is_valid(),
         line.validity.storage_modulus_is_valid(),
