@@ -45,7 +45,12 @@ impl Wanted {
             Self::Frequency | Self::AngularFrequency => Frequency::DIMENSION,
             Self::Time => Dimension::TIME,
             Self::Modulus => Pressure::DIMENSION,
-            Self::Compliance => Dimension::NONE.quotient(Pressure::DIMENSION),
+            Self::Compliance => Dimension {
+                length: 1,
+                mass: -1,
+                time: 2,
+                ..Dimension::NONE
+            },
             Self::Number | Self::Phase => Dimension::NONE,
             Self::Temperature => Temperature::DIMENSION,
         }

@@ -84,7 +84,8 @@ pub(super) fn screen(
             Some(lines) => measured(&lines)?.screen(),
             None => body.screen(),
         };
-        outcome.doubt_all(tell(&screening, outcome));
+        let failed = tell(&screening, outcome);
+        outcome.doubt_all(failed);
         Arc::new(body)
     };
     Ok(Screened {
