@@ -174,12 +174,12 @@ pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, Rodl
     let files = [
         ("summary.csv", summary.to_csv()?),
         ("quantities.csv", summary.quantities_to_csv()?),
-        (SIGNED, summary.to_json()?),
-        ("index.html", summary.to_html()?),
+        (SIGNED, summary.to_json()?.into_bytes()),
+        ("index.html", summary.to_html()?.into_bytes()),
     ];
     let files = files
         .each_ref()
-        .map(|(name, text)| (*name, text.as_bytes()));
+        .map(|(name, bytes)| (*name, bytes.as_slice()));
     output::replace_summary(out, &files, SIGNED)
 }
 

@@ -117,7 +117,8 @@ impl Summary {
     }
 
     /// Returns the CSV table with one line per test.
-    pub(crate) fn to_csv(&self) -> Result<String, RodlabError> {
+    pub(crate) fn to_csv(&self) -> Result<Vec<u8>, RodlabError> {
+        let heads = ["test", "job", "title", "status", "warnings", "result"];
         let rows = self.tests.iter().map(|row| {
             [
                 row.test.clone(),
@@ -128,15 +129,12 @@ impl Summary {
                 row.headline.clone(),
             ]
         });
-        table(
-            "summary.csv",
-            ["test", "job", "title", "status", "warnings", "result"],
-            rows,
-        )
+        let heads = std::iter::once(heads.map(str::to_owned));
+        csv_of("summary.csv", heads.chain(rows))
     }
 
     /// Returns the CSV table with one line per test and quantity.
-    pub(crate) fn quantities_to_csv(&self) -> Result<String, RodlabError> {
+    pub(crate) fn quantities_to_csv(&self) -> Result<Vec<u8>, RodlabError> {
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         let rows = self.tests.iter().flat_map(|row| {
             row.quantities.iter().map(move |quantity| {
@@ -162,7 +160,8 @@ impl Summary {
             "verdict",
             "status",
         ];
-        table("quantities.csv", heads, rows)
+        let heads = std::iter::once(heads.map(str::to_owned));
+        csv_of("quantities.csv", heads.chain(rows))
     }
 
     /// Returns the summary as JSON.
@@ -217,19 +216,17 @@ fn link(test: &str) -> String {
     address + "/report.html"
 }
 
-fn table<const N: usize>(
+/// Returns `rows` as the file `name` of comma-separated values.
+pub(super) fn csv_of<R: IntoIterator<Item: AsRef<[u8]>>>(
     name: &str,
-    heads: [&str; N],
-    rows: impl Iterator<Item = [String; N]>,
-) -> Result<String, RodlabError> {
+    rows: impl Iterator<Item = R>,
+) -> Result<Vec<u8>, RodlabError> {
     let refused = |error| RodlabError::step(format!("writing {name}"), error);
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(heads).map_err(refused)?;
     for row in rows {
         writer.write_record(row).map_err(refused)?;
     }
-    let bytes = writer.into_inner().in_step(format!("writing {name}"))?;
-    String::from_utf8(bytes).in_step(format!("writing {name}"))
+    writer.into_inner().in_step(format!("writing {name}"))
 }
 
 /// Returns the results and failures below `folders`, each named by its path there; with several

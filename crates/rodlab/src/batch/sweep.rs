@@ -19,8 +19,9 @@ use std::path::{Path, PathBuf};
 use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 
+use super::summary::csv_of;
 use crate::sheet::{self, Language, plausible, quoted};
-use crate::{InStep, RodlabError, input, output};
+use crate::{RodlabError, input, output};
 
 /// Maximum number of sheets of a sweep.
 const MOST_SHEETS: f64 = 100_000.0;
@@ -146,7 +147,7 @@ pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
     for (sheet, text) in sweep.sheets.iter().zip(&texts) {
         output::write_new(&sweep.folder.join(&sheet.file), text.as_bytes())?;
     }
-    output::write_new(&list, &csv_of(&sweep)?)?;
+    output::write_new(&list, &list_of(&sweep)?)?;
     Ok(sweep)
 }
 
@@ -320,23 +321,13 @@ fn filled(parts: &[TemplatePart<'_>], values: &[&str]) -> String {
 }
 
 /// Returns the text of `sweep.csv`: one line for each sheet, with its values and its hash.
-fn csv_of(sweep: &Sweep) -> Result<Vec<u8>, RodlabError> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let names = sweep.names.iter().map(String::as_str);
-    let head: Vec<&str> = ["file"]
-        .into_iter()
-        .chain(names)
-        .chain(["sha256"])
-        .collect();
-    writer.write_record(head).in_step("writing sweep.csv")?;
-    for sheet in &sweep.sheets {
-        let values = sheet.values.iter().map(String::as_str);
-        let row = [sheet.file.as_str()].into_iter().chain(values);
-        writer
-            .write_record(row.chain([sheet.sha256.as_str()]))
-            .in_step("writing sweep.csv")?;
+fn list_of(sweep: &Sweep) -> Result<Vec<u8>, RodlabError> {
+    fn row<'a>(file: &'a str, values: &'a [String], hash: &'a str) -> Vec<&'a str> {
+        let values = values.iter().map(String::as_str);
+        std::iter::once(file).chain(values).chain([hash]).collect()
     }
-    writer
-        .into_inner()
-        .map_err(|error| RodlabError::step("writing sweep.csv", error.into_error()))
+    let heads = row("file", &sweep.names, "sha256");
+    let sheets = sweep.sheets.iter();
+    let rows = sheets.map(|sheet| row(&sheet.file, &sheet.values, &sheet.sha256));
+    csv_of("sweep.csv", std::iter::once(heads).chain(rows))
 }

@@ -17,51 +17,25 @@ use crate::outcome::Attachment;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Naming {
     stem: String,
-    extension: Extension,
+    extension: &'static str,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Extension {
-    Csv,
-    Npy,
-    Npz,
-    Uff,
-    Wav,
-}
-
-impl Extension {
-    const ALL: [Self; 5] = [Self::Csv, Self::Npy, Self::Npz, Self::Uff, Self::Wav];
-
-    fn text(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::Npy => "npy",
-            Self::Npz => "npz",
-            Self::Uff => "uff",
-            Self::Wav => "wav",
-        }
-    }
-}
+/// Extensions of the files, which determine their formats.
+const EXTENSIONS: [&str; 5] = ["csv", "npy", "npz", "uff", "wav"];
 
 impl Naming {
     /// Creates the naming from the name of a file, such as `hits.csv`.
     pub(super) fn of(output: &str) -> Result<Self, RodlabError> {
         let wrong = || {
-            let known: Vec<&str> = Extension::ALL.iter().map(|e| e.text()).collect();
-            RodlabError::request(
-                "output",
-                format!("`{output}`"),
-                format!(
-                    "the name of a file in the folder of the result with one of the extensions {}",
-                    known.join(", ")
-                ),
-            )
+            let expected = format!(
+                "the name of a file in the folder of the result with one of the extensions {}",
+                EXTENSIONS.join(", ")
+            );
+            RodlabError::request("output", format!("`{output}`"), expected)
         };
         let (stem, extension) = output.rsplit_once('.').ok_or_else(wrong)?;
-        let extension = Extension::ALL
-            .into_iter()
-            .find(|known| known.text() == extension)
-            .ok_or_else(wrong)?;
+        let mut known = EXTENSIONS.into_iter();
+        let extension = known.find(|known| *known == extension).ok_or_else(wrong)?;
         let plain = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | ' ' | '.');
         if stem.is_empty() || stem.starts_with('.') || !stem.chars().all(plain) {
             return Err(wrong());
@@ -75,14 +49,14 @@ impl Naming {
     /// Returns the name of the record `number` of `of`, counted from 1. The alphabetical order of
     /// the names is that of the records.
     pub(super) fn file(&self, number: usize, of: usize) -> String {
-        let extension = self.extension.text();
+        let extension = self.extension;
         let digits = of.to_string().len();
         format!("{}-{number:0digits$}.{extension}", self.stem)
     }
 
     /// Returns a pattern that matches all files.
     pub(super) fn pattern(&self) -> String {
-        format!("{}-*.{}", self.stem, self.extension.text())
+        format!("{}-*.{}", self.stem, self.extension)
     }
 
     /// Returns the field `records` of a sheet that reads `files` of records like `record`, indented
@@ -93,7 +67,7 @@ impl Naming {
         more: &str,
         indent: &str,
     ) -> String {
-        let bare = self.extension == Extension::Npy;
+        let bare = self.extension == "npy";
         let rate = if bare {
             format!(
                 "\n{indent}    sampling_rate: \"{} Hz\",",
@@ -132,26 +106,19 @@ impl Naming {
         let refused = |error| RodlabError::step(format!("writing {name}"), error);
         let mut contents = Contents::of_format("computed");
         // the generator is written if the format has a place for it
-        match self.extension {
-            Extension::Csv | Extension::Npz => contents
-                .properties
-                .push(("generator".to_owned(), generator.to_owned())),
-            Extension::Wav => contents
-                .properties
-                .push(("ISFT".to_owned(), generator.to_owned())),
-            Extension::Npy | Extension::Uff => {}
-        }
-        let of_series = if self.extension == Extension::Uff {
-            vec![("uff58.id2".to_owned(), generator.to_owned())]
-        } else {
-            Vec::new()
+        let property = |name: &str| vec![(name.to_owned(), generator.to_owned())];
+        let (of_file, of_series) = match self.extension {
+            "csv" | "npz" => (property("generator"), Vec::new()),
+            "wav" => (property("ISFT"), Vec::new()),
+            "uff" => (Vec::new(), property("uff58.id2")),
+            _ => (Vec::new(), Vec::new()),
         };
+        contents.properties = of_file;
         let axis = |label: &str, unit: &str| -> Result<SeriesAxis, RodlabError> {
             Ok(SeriesAxis {
-                label: if self.extension == Extension::Wav {
-                    String::new()
-                } else {
-                    label.to_owned()
+                label: match self.extension {
+                    "wav" => String::new(),
+                    _ => label.to_owned(),
                 },
                 unit_text: unit.to_owned(),
                 unit: Some(Unit::parse(unit).map_err(refused)?),
@@ -173,21 +140,21 @@ impl Naming {
                 properties: of_series.clone(),
             });
         }
-        if self.extension == Extension::Npy {
+        if self.extension == "npy" {
             // an `npy` file contains only numbers, with one row per channel
             contents = fitted(&contents, "npy");
         }
         let mut bytes = Vec::new();
         let writer: &dyn Writer = match self.extension {
-            Extension::Csv => &Csv,
-            Extension::Npy => &Npy,
-            Extension::Npz => &Npz,
+            "npy" => &Npy,
+            "npz" => &Npz,
             // binary numbers are written, because text would round them
-            Extension::Uff => &Uff58Writer {
+            "uff" => &Uff58Writer {
                 encoding: Encoding::Binary(ByteOrder::LittleEndian),
                 ..Uff58Writer::default()
             },
-            Extension::Wav => &Wav,
+            "wav" => &Wav,
+            _ => &Csv,
         };
         writer.write(&contents, &mut bytes).map_err(refused)?;
         Ok(Attachment { name, bytes })
@@ -219,8 +186,8 @@ mod tests {
         let samples = array![[0.0, 1.5, -2.25, 4.0], [1e-6, 2e-6, -3e-6, 0.0]];
         let made_by = Provenance::computed("a closed form");
         let record = Record::new(samples.clone(), 51_200.0, 0.0, channels, made_by).unwrap();
-        for extension in Extension::ALL {
-            let name = format!("one.{}", extension.text());
+        for extension in EXTENSIONS {
+            let name = format!("one.{extension}");
             let naming = Naming::of(&name).unwrap();
             let file = naming
                 .attachment(&record, name.clone(), "a closed form")
@@ -232,7 +199,7 @@ mod tests {
             }
             let says = |property: &(String, String)| property.1.contains("a closed form");
             assert!(
-                extension == Extension::Npy
+                extension == "npy"
                     || back.properties.iter().any(says)
                     || back.series[0].properties.iter().any(says),
                 "{name}: {:?} {:?}",

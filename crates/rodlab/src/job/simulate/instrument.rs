@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use labio::instrument::{Acquisition, AntiAlias, Converter, Instrument, NoiseSpectrum};
-use labio::{Channel, Provenance, Quantity, Record};
+use labio::{Channel, LabioError, Provenance, Quantity, Record};
 use ndarray::Array2;
 use rand_chacha::ChaCha8Rng;
 use rodwave::band_limited::Recorder;
@@ -81,6 +81,25 @@ pub enum AntiAliasSheet {
 }
 
 impl AntiAliasSheet {
+    pub(in crate::job) fn cutoff(&self) -> &Exact<Frequency> {
+        match self {
+            Self::LinearPhase { cutoff }
+            | Self::Butterworth { cutoff, .. }
+            | Self::Bessel { cutoff, .. } => cutoff,
+        }
+    }
+
+    /// Returns the analogue filter; `None` for the linear-phase filter.
+    pub(in crate::job) fn analogue(&self) -> Option<Result<AntiAlias, LabioError>> {
+        match self {
+            Self::LinearPhase { .. } => None,
+            Self::Butterworth { order, cutoff } => {
+                Some(AntiAlias::butterworth(*order, cutoff.si()))
+            }
+            Self::Bessel { order, cutoff } => Some(AntiAlias::bessel(*order, cutoff.si())),
+        }
+    }
+
     pub(in crate::job) fn in_words(&self) -> String {
         match self {
             Self::LinearPhase { cutoff } => format!("linear phase, half amplitude at {cutoff}"),
@@ -191,11 +210,7 @@ impl InstrumentSheet {
     pub(super) fn cutoff_hz(&self) -> f64 {
         match &self.anti_alias {
             None => USUAL_CUTOFF * self.rate_hz(),
-            Some(
-                AntiAliasSheet::LinearPhase { cutoff }
-                | AntiAliasSheet::Butterworth { cutoff, .. }
-                | AntiAliasSheet::Bessel { cutoff, .. },
-            ) => cutoff.si(),
+            Some(filter) => filter.cutoff().si(),
         }
     }
 
@@ -267,20 +282,13 @@ impl InstrumentSheet {
             Record::new(values, recorder.rate_hz, 0.0, channels.clone(), made_by)
                 .in_step("instrument")
         };
-        let filter = match &self.anti_alias {
-            None | Some(AntiAliasSheet::LinearPhase { .. }) => {
-                let recorder = Recorder {
-                    rate_hz: self.rate_hz(),
-                    cutoff_hz: self.cutoff_hz(),
-                };
-                return made_at(recorder, before, all);
-            }
-            Some(AntiAliasSheet::Butterworth { order, cutoff }) => {
-                AntiAlias::butterworth(*order, cutoff.si())
-            }
-            Some(AntiAliasSheet::Bessel { order, cutoff }) => {
-                AntiAlias::bessel(*order, cutoff.si())
-            }
+        let filter = self.anti_alias.as_ref().and_then(AntiAliasSheet::analogue);
+        let Some(filter) = filter else {
+            let recorder = Recorder {
+                rate_hz: self.rate_hz(),
+                cutoff_hz: self.cutoff_hz(),
+            };
+            return made_at(recorder, before, all);
         };
         let filter = filter.in_step("instrument.anti_alias")?;
         // the history is first put on the fine grid, without the frequencies that the filter cannot
