@@ -235,6 +235,18 @@ impl RodlabError {
         }
     }
 
+    /// Refuses an empty list in the `field` of a sheet.
+    pub(crate) fn refuse_empty<T>(
+        list: &[T],
+        field: impl Into<String>,
+        expected: &str,
+    ) -> Result<(), Self> {
+        match list {
+            [] => Err(Self::request(field, "empty", expected)),
+            _ => Ok(()),
+        }
+    }
+
     /// Returns the error for a statement of the sheet that cannot be met.
     pub fn request(
         field: impl Into<String>,

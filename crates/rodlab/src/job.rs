@@ -33,17 +33,21 @@ pub fn run(
     progress: &dyn Progress,
     interrupted: &AtomicBool,
 ) -> Result<Outcome, RodlabError> {
-    run_in(
-        sheet,
-        &JobContext {
+    run_in(sheet, &JobContext::of(sheet, progress, interrupted))
+}
+
+impl<'a> JobContext<'a> {
+    /// Returns the environment of an ordinary run of `sheet`.
+    fn of(sheet: &'a Sheet, progress: &'a dyn Progress, interrupted: &'a AtomicBool) -> Self {
+        Self {
             folder: sheet.folder(),
             language: sheet.language(),
             progress,
             interrupted,
             only_reads: false,
             draw: None,
-        },
-    )
+        }
+    }
 }
 
 /// The files of a sheet, which can be read.
@@ -66,12 +70,8 @@ pub fn check(
     interrupted: &AtomicBool,
 ) -> Result<Checked, RodlabError> {
     let context = JobContext {
-        folder: sheet.folder(),
-        language: sheet.language(),
-        progress,
-        interrupted,
         only_reads: true,
-        draw: None,
+        ..JobContext::of(sheet, progress, interrupted)
     };
     match run_in(sheet, &context) {
         Ok(Outcome {

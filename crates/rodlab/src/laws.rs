@@ -100,13 +100,7 @@ impl LawsSheet {
 
     /// Refuses settings that are wrong whatever the data are.
     pub(crate) fn check(&self) -> Result<(), RodlabError> {
-        if self.laws.is_empty() {
-            return Err(RodlabError::request(
-                "laws.laws",
-                "empty",
-                "at least one law",
-            ));
-        }
+        RodlabError::refuse_empty(&self.laws, "laws.laws", "at least one law")?;
         for (field, value) in [
             ("laws.most_lines", self.most_lines),
             ("laws.most_branches", self.most_branches),

@@ -222,13 +222,11 @@ impl Records {
 
     /// Refuses statements that are wrong whatever the files are.
     fn check(&self, field: &str) -> Result<(), RodlabError> {
-        if self.channels.is_empty() {
-            return Err(RodlabError::request(
-                format!("{field}.channels"),
-                "empty",
-                "at least one channel",
-            ));
-        }
+        RodlabError::refuse_empty(
+            &self.channels,
+            format!("{field}.channels"),
+            "at least one channel",
+        )?;
         for (at, channel) in self.channels.iter().enumerate() {
             let mut earlier = self.channels.iter().take(at);
             if let Some(before) = earlier.position(|other| other.name == channel.name) {

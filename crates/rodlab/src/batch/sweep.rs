@@ -207,13 +207,11 @@ fn axes_of(plan: Plan) -> Result<Vec<Axis>, RodlabError> {
         });
     }
     plausible::at_most(sheets, MOST_SHEETS, "sheets", "grid")?;
-    if axes.is_empty() {
-        return Err(RodlabError::request(
-            "grid",
-            "empty",
-            "at least one placeholder with its values, or `seeds`",
-        ));
-    }
+    RodlabError::refuse_empty(
+        &axes,
+        "grid",
+        "at least one placeholder with its values, or `seeds`",
+    )?;
     Ok(axes)
 }
 

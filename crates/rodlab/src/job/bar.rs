@@ -100,13 +100,11 @@ impl BarSheet {
     /// Refuses gauges that cannot be on the bar, or are not in the order in which the pulse passes
     /// them.
     fn check(&self) -> Result<(), RodlabError> {
-        if self.gauges.is_empty() {
-            return Err(RodlabError::request(
-                "gauges",
-                "empty",
-                "one or more gauges between the struck end and the free end",
-            ));
-        }
+        RodlabError::refuse_empty(
+            &self.gauges,
+            "gauges",
+            "one or more gauges between the struck end and the free end",
+        )?;
         let mut before = self.bar.length.si();
         for (at, gauge) in self.gauges.iter().enumerate() {
             if gauge.distance() >= before {

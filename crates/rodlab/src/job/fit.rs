@@ -305,13 +305,7 @@ impl FitSheet {
 
 /// Refuses settings that are wrong whatever the data are.
 fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
-    if sheet.tables.is_empty() {
-        return Err(RodlabError::request(
-            "tables",
-            "empty",
-            "at least one table",
-        ));
-    }
+    RodlabError::refuse_empty(&sheet.tables, "tables", "at least one table")?;
     let stated = sheet
         .tables
         .iter()

@@ -336,9 +336,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     let mut outcome = Outcome::of("identify", sheet.title.as_str());
     outcome.settings = defaults();
     let mut tests = tests_of_sheet::read(sheet, context, &mut outcome)?;
-    if sheet.laws.is_empty() {
-        return Err(RodlabError::request("laws", "empty", "at least one law"));
-    }
+    RodlabError::refuse_empty(&sheet.laws, "laws", "at least one law")?;
     if let Some(next) = &sheet.next {
         if sheet.arrhenius.is_some() {
             return Err(RodlabError::request(

@@ -125,9 +125,7 @@ struct Found<'a> {
 pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("recovery", sheet.title.as_str());
     outcome.settings = defaults(sheet);
-    if sheet.tests.is_empty() {
-        return Err(RodlabError::request("tests", "empty", "at least one test"));
-    }
+    RodlabError::refuse_empty(&sheet.tests, "tests", "at least one test")?;
     if sheet.monte_carlo.is_some() && sheet.error_scale == Some(ErrorScale::FromResidual) {
         return Err(RodlabError::request(
             "monte_carlo",

@@ -21,13 +21,7 @@ pub(super) fn paths<'a>(
     folder: &Path,
     field: &str,
 ) -> Result<Vec<FoundFile<'a>>, RodlabError> {
-    if patterns.is_empty() {
-        return Err(RodlabError::request(
-            field,
-            "empty",
-            "the name of at least one file",
-        ));
-    }
+    RodlabError::refuse_empty(patterns, field, "the name of at least one file")?;
     let mut seen = BTreeSet::new();
     let mut paths = Vec::new();
     for (entry, pattern) in patterns.iter().enumerate() {

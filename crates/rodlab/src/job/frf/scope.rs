@@ -69,13 +69,11 @@ pub(super) fn outputs_of(
             outputs.clone()
         }
     };
-    if outputs.is_empty() {
-        return Err(RodlabError::request(
-            "outputs",
-            "empty",
-            "at least one channel besides the input",
-        ));
-    }
+    RodlabError::refuse_empty(
+        &outputs,
+        "outputs",
+        "at least one channel besides the input",
+    )?;
     Ok(outputs)
 }
 

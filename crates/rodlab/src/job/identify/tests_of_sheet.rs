@@ -105,9 +105,7 @@ pub(super) fn read(
     context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Vec<RodTest>, RodlabError> {
-    if sheet.tests.is_empty() {
-        return Err(RodlabError::request("tests", "empty", "at least one test"));
-    }
+    RodlabError::refuse_empty(&sheet.tests, "tests", "at least one test")?;
     context.progress.begins("reading", sheet.tests.len());
     let mut tests = Vec::with_capacity(sheet.tests.len());
     for (number, of_sheet) in sheet.tests.iter().enumerate() {

@@ -140,13 +140,11 @@ impl ImpactedRodSheet {
     }
 
     fn check(&self) -> Result<(), RodlabError> {
-        if self.velocities.is_empty() {
-            return Err(RodlabError::request(
-                format!("{FIELD}.velocities"),
-                "empty",
-                "at least one velocity",
-            ));
-        }
+        RodlabError::refuse_empty(
+            &self.velocities,
+            format!("{FIELD}.velocities"),
+            "at least one velocity",
+        )?;
         if self.section_distance.si() > self.length.si() {
             return Err(RodlabError::request(
                 format!("{FIELD}.section_distance"),
