@@ -416,6 +416,16 @@ pub struct Table {
     pub columns: Vec<Column>,
 }
 
+impl Table {
+    /// Returns the validity of the rows; `None` without a column of validity.
+    pub(crate) fn valid(&self) -> Option<&[bool]> {
+        self.columns.iter().find_map(|column| match &column.cells {
+            Cells::Validity { valid, .. } => Some(valid.as_slice()),
+            _ => None,
+        })
+    }
+}
+
 /// A column of a [`Table`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
@@ -428,7 +438,25 @@ pub struct Column {
     pub cells: Cells,
 }
 
+/// Beginning of the name of a column of standard errors, followed by the name of their column.
+pub(crate) const ERROR_OF: &str = "standard error of ";
+
 impl Column {
+    /// Returns the numbers; `None` for words and verdicts.
+    pub(crate) fn known_numbers(&self) -> Option<&[f64]> {
+        match &self.cells {
+            Cells::Numbers(values) => Some(values),
+            Cells::Words(_) | Cells::Validity { .. } => None,
+        }
+    }
+
+    /// Returns true if the column contains the standard errors of `other`.
+    pub(crate) fn is_error_of(&self, other: &Self) -> bool {
+        let of = self.name.strip_prefix(ERROR_OF);
+        let is_same = |of: &str| of.strip_prefix("the ").unwrap_or(of) == other.name;
+        self.unit == other.unit && of.is_some_and(is_same)
+    }
+
     /// Returns a column of numbers; NaN stands for a missing number.
     #[must_use]
     pub fn numbers(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{Job, JobContext, Sheet, Silent};
 use crate::digits::{short, significant};
 use crate::draw::Draw;
-use crate::outcome::{CHECK, Cells, Column, Quantity, Rows, Table};
+use crate::outcome::{CHECK, Column, ERROR_OF, Quantity, Rows, Table};
 use crate::sheet::{self, plausible};
 use crate::{Outcome, RodlabError};
 
@@ -31,10 +31,6 @@ const DIFFERENCE: f64 = 0.1;
 const MOVED: f64 = 0.01;
 /// Number of standard errors of the scatter by which a difference must exceed [`DIFFERENCE`].
 const CERTAIN: f64 = 3.0;
-
-/// Beginning of the name of a column of standard errors; the name of the column with the values
-/// follows.
-const ERROR_OF: &str = "standard error of ";
 
 /// A number of a result that has a standard error.
 #[derive(Debug, Clone, Copy)]
@@ -127,7 +123,7 @@ pub(super) fn judge(
                 context.progress.one_more();
                 Ok(numbers
                     .iter()
-                    .map(|number| number.place.find(base, &drawn))
+                    .map(|number| number.place.found(base, &drawn).unwrap_or(f64::NAN))
                     .collect())
             })
             .collect();
@@ -189,12 +185,8 @@ fn drawn(
     };
     let job: Job = sheet::drawn_as(&sheet.path, &sheet.text, random(2 * draw))?;
     let context = JobContext {
-        folder: context.folder,
-        language: context.language,
-        progress: &Silent,
-        interrupted: context.interrupted,
-        only_reads: false,
         draw: Some(Draw::new(random(2 * draw + 1), base.drawn_laws.clone())),
+        ..JobContext::of(sheet, &Silent, context.interrupted)
     };
     job.run(&context)
 }
@@ -217,10 +209,7 @@ fn numbers(outcome: &Outcome) -> Vec<Number<'_>> {
         }
     }
     for (at, table) in outcome.tables.iter().enumerate() {
-        let valid = table.columns.iter().find_map(|column| match &column.cells {
-            Cells::Validity { valid, .. } => Some(valid),
-            _ => None,
-        });
+        let valid = table.valid();
         for of in uncertain(table) {
             for (row, (value, error)) in of.values.iter().zip(of.errors).enumerate() {
                 if value.is_finite() && *error > 0.0 {
@@ -256,30 +245,22 @@ struct Uncertain<'a> {
 fn uncertain(table: &Table) -> impl Iterator<Item = Uncertain<'_>> {
     let all = table.columns.iter().enumerate();
     all.filter_map(move |(column, own)| {
-        let is_of = |other: &Column| {
-            let of = other.name.strip_prefix(ERROR_OF);
-            let is_same = |of: &str| of.strip_prefix("the ").unwrap_or(of) == own.name;
-            other.unit == own.unit && of.is_some_and(is_same)
-        };
-        let error_column = table.columns.iter().position(is_of)?;
+        let mut others = table.columns.iter();
+        let error_column = others.position(|other| other.is_error_of(own))?;
         Some(Uncertain {
             name: &own.name,
             unit: &own.unit,
             column,
-            values: numbers_of(own)?,
+            values: own.known_numbers()?,
             error_column,
-            errors: numbers_of(table.columns.get(error_column)?)?,
+            errors: table.columns.get(error_column)?.known_numbers()?,
         })
     })
 }
 
 impl Place {
     /// Returns the number in the outcome `drawn`, whose quantities and rows may differ from those
-    /// of `base`; NaN if `drawn` does not contain the number.
-    fn find(self, base: &Outcome, drawn: &Outcome) -> f64 {
-        self.found(base, drawn).unwrap_or(f64::NAN)
-    }
-
+    /// of `base`; `None` if `drawn` does not contain the number.
     fn found(self, base: &Outcome, drawn: &Outcome) -> Option<f64> {
         match self {
             Self::Quantity(index) => {
@@ -308,15 +289,9 @@ impl Place {
     }
 }
 
-fn numbers_of(column: &Column) -> Option<&[f64]> {
-    match &column.cells {
-        Cells::Numbers(values) => Some(values),
-        _ => None,
-    }
-}
-
 fn cell(table: &Table, column: usize, row: usize) -> Option<f64> {
-    numbers_of(table.columns.get(column)?)?.get(row).copied()
+    let numbers = table.columns.get(column)?.known_numbers()?;
+    numbers.get(row).copied()
 }
 
 /// Numbers of a result with their scatter over the draws.

@@ -120,13 +120,6 @@ fn heading(column: &Column, class: &'static str) -> Heading {
     }
 }
 
-fn numbers_of(column: &Column) -> Option<&[f64]> {
-    match &column.cells {
-        Cells::Numbers(values) => Some(values),
-        Cells::Words(_) | Cells::Validity { .. } => None,
-    }
-}
-
 fn picked<T: Clone>(values: &[T], rows: &[usize]) -> Vec<T> {
     rows.iter()
         .filter_map(|row| values.get(*row).cloned())
@@ -168,10 +161,8 @@ fn beside_errors(column: &Column, values: &[f64], errors: &[f64], rows: &[usize]
 
 /// Returns the standard errors of `column` from the column `next`, if `next` contains them.
 fn errors_of<'a>(column: &Column, next: Option<&'a Column>) -> Option<&'a [f64]> {
-    let next = next?;
-    let of = next.name.strip_prefix("standard error of ")?;
-    let is_of = of == column.name || of.strip_prefix("the ") == Some(&column.name);
-    (is_of && next.unit == column.unit).then(|| numbers_of(next))?
+    next.filter(|next| next.is_error_of(column))?
+        .known_numbers()
 }
 
 /// Returns the value that all rows have; `None` if the values differ, or if there are three rows or
@@ -262,17 +253,14 @@ fn brief_rows(table: &Table, total: usize) -> (Vec<usize>, &'static str) {
     if total <= FIRST + 4 {
         return ((0..total).collect(), "");
     }
-    let abscissae = table.columns.first().and_then(numbers_of);
+    let abscissae = table.columns.first().and_then(Column::known_numbers);
     let grows = |values: &[f64]| values.is_sorted_by(|one, next| one < next);
     if !abscissae.is_some_and(grows) {
         return ((0..FIRST).collect(), "the first");
     }
-    let valid: Option<Vec<usize>> = table.columns.iter().find_map(|column| match &column.cells {
-        Cells::Validity { valid, .. } => {
-            let rows = valid.iter().enumerate().filter(|(_, valid)| **valid);
-            Some(rows.map(|(row, _)| row).collect())
-        }
-        Cells::Numbers(_) | Cells::Words(_) => None,
+    let valid: Option<Vec<usize>> = table.valid().map(|valid| {
+        let rows = valid.iter().enumerate().filter(|(_, valid)| **valid);
+        rows.map(|(row, _)| row).collect()
     });
     match valid.filter(|rows| rows.len() >= FIRST) {
         Some(rows) => (spread(&rows, FIRST), "spread over the valid ones"),
@@ -293,11 +281,11 @@ impl<'a> TableRows<'a> {
         let (mut legend, mut constants) = (Vec::new(), Vec::new());
         let mut is_whole = rows.len() == total;
         let mut columns = table.columns.iter().peekable();
-        let is_word = |column: &&Column| numbers_of(column).is_none();
+        let is_word = |column: &&Column| column.known_numbers().is_none();
         let words = table.columns.iter().filter(is_word).count();
         let (mut numbers, mut has_errors) = (0, false);
         while let Some(column) = columns.next() {
-            let Some(values) = numbers_of(column) else {
+            let Some(values) = column.known_numbers() else {
                 brief.push(match by_letters(&column.cells) {
                     Some((texts, letters)) => {
                         is_whole &= letters.is_empty();
