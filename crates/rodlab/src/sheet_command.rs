@@ -399,15 +399,17 @@ mod tests {
         assert!(parsed("1:V:5 ± 1 %").is_err() && parsed("1:V:5 ± 0.1 mV/N").is_ok());
     }
 
-    /// Returns the text of the sheet that the command with `arguments` writes, and the job of this
-    /// sheet.
-    fn written(arguments: &[&str]) -> Result<(String, String), RodlabError> {
+    /// Parses a command whose arguments are separated by `|`.
+    fn parsed(command: &str) -> Result<Arguments, clap::Error> {
+        Arguments::try_parse_from(["rodlab"].into_iter().chain(command.split('|')))
+    }
+
+    /// Returns the text of the sheet that the `command` writes, and the job of this sheet.
+    fn written(command: &str) -> Result<(String, String), RodlabError> {
         let folder = tempfile::tempdir().unwrap();
         let sheet = folder.path().join("sheet.toml");
-        let save = ["--save", sheet.to_str().unwrap()];
-        let words = ["rodlab"].iter().chain(arguments).chain(&save);
-        let parsed = Arguments::try_parse_from(words).unwrap();
-        let Command::Job(job) = &parsed.command else {
+        let command = parsed(&format!("{command}|--save|{}", sheet.display())).unwrap();
+        let Command::Job(job) = &command.command else {
             panic!("no job")
         };
         let (name, command) = job.sheet()?;
@@ -418,41 +420,17 @@ mod tests {
         let parsed = crate::job::parse(&sheet, &text)?;
         assert_eq!(parsed.name(), name.name());
         // the sheet is not in the folder of the recordings, so it states their folder
-        let here = quoted(
-            &std::env::current_dir()
-                .unwrap()
-                .join("x")
-                .display()
-                .to_string(),
-        );
-        let here = here
-            .trim_start_matches('"')
-            .trim_end_matches("x\"")
-            .to_owned();
+        let here = std::env::current_dir().unwrap().join("x");
+        let here = quoted(&here.display().to_string());
+        let here = here.trim_start_matches('"').trim_end_matches("x\"");
         assert!(text.contains(&format!("files = [\"{here}")), "{text}");
-        Ok((text.replace(&here, "HERE/"), format!("{parsed:?}")))
+        Ok((text.replace(here, "HERE/"), format!("{parsed:?}")))
     }
 
     #[test]
     fn recordings_make_a_sheet_that_states_them() {
-        let odd = "a \"b\" \\ 1.npy";
-        let frf = [
-            "frf",
-            "hits-1.npy",
-            odd,
-            "--rate",
-            "51.2kHz",
-            "--band",
-            "20Hz",
-            "10kHz",
-            "--input",
-            "1:V:2.25 mV/N ± 1 %",
-            "--output",
-            "2:m/s2",
-            "--output",
-            "end B",
-        ];
-        let (text, parsed) = written(&frf).unwrap();
+        let frf = r#"frf|hits-1.npy|a "b" \ 1.npy|--rate|51.2kHz|--band|20Hz|10kHz|--input|1:V:2.25 mV/N ± 1 %|--output|2:m/s2|--output|end B"#;
+        let (text, parsed) = written(frf).unwrap();
         insta::assert_snapshot!(text, @r#"
         job = "frf"
         title = "Frequency response from hits-1.npy"
@@ -469,23 +447,8 @@ mod tests {
         ]
         "#);
         assert!(parsed.contains("/a \\\"b\\\" \\\\ 1.npy"), "{parsed}");
-        let modulus = [
-            "modulus",
-            "hits-*.npy",
-            "--rate",
-            "65536 Hz",
-            "--impacted",
-            "1:m/s2",
-            "--free",
-            "2:m/s2",
-            "--length",
-            "799 mm ± 0.3 mm",
-            "--diameter",
-            "15.8 mm",
-            "--density",
-            "912 kg/m3 ± 0.1 %",
-        ];
-        let (text, _) = written(&modulus).unwrap();
+        let modulus = "modulus|hits-*.npy|--rate|65536 Hz|--impacted|1:m/s2|--free|2:m/s2|--length|799 mm ± 0.3 mm|--diameter|15.8 mm|--density|912 kg/m3 ± 0.1 %";
+        let (text, _) = written(modulus).unwrap();
         insta::assert_snapshot!(text, @r#"
         job = "modulus"
         title = "Complex modulus from hits-*.npy"
@@ -511,28 +474,16 @@ mod tests {
 
     #[test]
     fn what_makes_no_sheet_is_refused() {
-        let refused = |words: &[&str]| written(words).unwrap_err().to_string();
-        assert!(refused(&["frf", "a.npy", "b.npy"]).contains("--save"));
+        let refused = written("frf|a.npy|b.npy").unwrap_err().to_string();
+        assert!(refused.contains("--save"));
         // the command for a rod needs its density
-        let words = [
-            "rodlab",
-            "modulus",
-            "a.npy",
-            "--impacted",
-            "1:m/s2",
-            "--free",
-            "2:m/s2",
-        ];
-        assert!(Arguments::try_parse_from(words).is_err());
+        assert!(parsed("modulus|a.npy|--impacted|1:m/s2|--free|2:m/s2").is_err());
         let folder = tempfile::tempdir().unwrap();
         let taken = folder.path().join("frf.toml");
         std::fs::write(&taken, "another").unwrap();
-        let words = [
-            "rodlab", "frf", "a.npy", "--input", "1:N", "--output", "2:m/s2", "--save",
-        ];
-        let words = words.into_iter().chain([taken.to_str().unwrap()]);
-        let parsed = Arguments::try_parse_from(words).unwrap();
-        let Command::Job(job) = &parsed.command else {
+        let words = "frf|a.npy|--input|1:N|--output|2:m/s2|--save";
+        let command = parsed(&format!("{words}|{}", taken.display())).unwrap();
+        let Command::Job(job) = &command.command else {
             panic!("no job")
         };
         assert!(matches!(job.sheet(), Err(RodlabError::Exists { .. })));

@@ -200,15 +200,17 @@ pub fn init(job: JobName, rig: Option<Rig>, path: &Path) -> Result<(), RodlabErr
 mod tests {
     use super::*;
 
+    /// Returns every field of a sheet of `job`, with quantities as they are written.
+    fn parsed(job: JobName, text: &str) -> String {
+        let sheet = crate::job::parse(Path::new("template"), text).unwrap();
+        assert_eq!(sheet.name(), job.name());
+        format!("{sheet:#?}")
+    }
+
     #[test]
     fn every_template_is_a_sheet_of_its_job_and_the_same_in_both_languages() {
         for job in JobName::ALL {
-            let parsed = |language| {
-                let sheet =
-                    crate::job::parse(Path::new("template"), job.template(language)).unwrap();
-                assert_eq!(sheet.name(), job.name());
-                format!("{sheet:#?}") // every field, quantities as they are written
-            };
+            let parsed = |language| parsed(job, job.template(language));
             assert_eq!(parsed(Language::Toml), parsed(Language::Ron));
         }
     }
@@ -219,12 +221,7 @@ mod tests {
         for rig in Rig::ALL {
             let of_command = rig.to_possible_value().unwrap();
             assert_eq!(of_command.get_name(), rig.name());
-            let parsed = |language| {
-                let sheet =
-                    crate::job::parse(Path::new("template"), rig.template(language)).unwrap();
-                assert_eq!(sheet.name(), rig.job().name());
-                format!("{sheet:#?}")
-            };
+            let parsed = |language| parsed(rig.job(), rig.template(language));
             assert_eq!(parsed(Language::Toml), parsed(Language::Ron));
         }
         let folder = tempfile::tempdir().unwrap();

@@ -86,59 +86,31 @@ mod tests {
 
     #[test]
     fn a_name_has_the_words_and_the_unit() {
-        for (words, unit, expected) in [
-            ("frequency", "Hz", "frequency_hz"),
-            ("E'", "Pa", "storage_modulus_pa"),
-            ("G'", "Pa", "storage_modulus_pa"),
-            (
-                "residual of K'' by |K|",
-                "percent",
-                "residual_loss_modulus_by_k_percent",
-            ),
-            (
-                "standard error of E'",
-                "Pa",
-                "standard_error_storage_modulus_pa",
-            ),
-            (
-                "standard error of the loss factor",
-                "",
-                "standard_error_loss_factor",
-            ),
-            (
-                "covariance of E' and E''",
-                "Pa^2",
-                "covariance_storage_modulus_and_loss_modulus_pa2",
-            ),
-            (
-                "bound of the lateral inertia left in E'",
-                "Pa",
-                "bound_lateral_inertia_left_in_storage_modulus_pa",
-            ),
-            (
-                "95 % half width of the stress",
-                "Pa",
-                "half_width_stress_95_pa",
-            ),
-            (
-                "expanded uncertainty (95 %), of the loss factor",
-                "",
-                "expanded_uncertainty_95_loss_factor",
-            ),
-            ("real part", "m/(N s)", "real_part_m_per_n_s"),
-            ("impulse response", "1/kg", "impulse_response_per_kg"),
-            ("wave number", "rad/m", "wave_number_rad_per_m"),
-            ("magnitude of end A", "m/s^2", "magnitude_end_a_m_per_s2"),
-            ("temperature", "degC", "temperature_degc"),
-            (
-                "standard error of the magnitude",
-                "%",
-                "standard_error_magnitude_percent",
-            ),
-            ("95", "", "column_95"),
-            ("", "", "column_"),
-        ] {
-            assert_eq!(name_of(words, unit), expected);
+        let names = "
+            frequency; Hz; frequency_hz
+            E'; Pa; storage_modulus_pa
+            G'; Pa; storage_modulus_pa
+            residual of K'' by |K|; percent; residual_loss_modulus_by_k_percent
+            standard error of E'; Pa; standard_error_storage_modulus_pa
+            standard error of the loss factor;; standard_error_loss_factor
+            covariance of E' and E''; Pa^2; covariance_storage_modulus_and_loss_modulus_pa2
+            bound of the lateral inertia left in E'; Pa; bound_lateral_inertia_left_in_storage_modulus_pa
+            95 % half width of the stress; Pa; half_width_stress_95_pa
+            expanded uncertainty (95 %), of the loss factor;; expanded_uncertainty_95_loss_factor
+            real part; m/(N s); real_part_m_per_n_s
+            impulse response; 1/kg; impulse_response_per_kg
+            wave number; rad/m; wave_number_rad_per_m
+            magnitude of end A; m/s^2; magnitude_end_a_m_per_s2
+            temperature; degC; temperature_degc
+            standard error of the magnitude; %; standard_error_magnitude_percent
+            95;; column_95
+            ;; column_
+        ";
+        for line in names.trim().lines() {
+            let mut parts = line.split(';').map(str::trim);
+            let mut next = || parts.next().unwrap();
+            let (words, unit) = (next(), next());
+            assert_eq!(name_of(words, unit), next(), "{line}");
         }
     }
 
