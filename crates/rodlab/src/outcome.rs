@@ -71,6 +71,11 @@ impl Outcome {
         self.summary.push(finding.into());
     }
 
+    /// Adds a finding before all others, in sentences.
+    pub(crate) fn lead(&mut self, finding: impl Into<String>) {
+        self.summary.insert(0, finding.into());
+    }
+
     /// Adds a warning, in sentences.
     pub(crate) fn warn(&mut self, warning: impl Into<String>) {
         self.warnings.push(warning.into());
@@ -125,7 +130,7 @@ impl Outcome {
     /// as the first finding.
     pub(crate) fn deny(&mut self, denial: &str, reason: impl Into<String>) {
         let reason = reason.into();
-        self.summary.insert(0, format!("{denial}: {reason}."));
+        self.lead(format!("{denial}: {reason}."));
         self.refuse(reason);
     }
 

@@ -232,9 +232,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
         }
         Curve::Several(Err(error)) => {
             let reason = format!("there is no master curve: {error}");
-            outcome
-                .summary
-                .insert(0, format!("No master curve can be fitted: {error}."));
+            outcome.lead(format!("No master curve can be fitted: {error}."));
             outcome.refuse(reason);
             outcome.tables.push(tables::data(&found));
             outcome.figures.extend(figures::measured(&found));

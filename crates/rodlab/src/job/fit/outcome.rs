@@ -11,7 +11,7 @@ use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
 use crate::digits::{hertz, percent, short, significant, with_error, with_unit};
 use crate::laws::{WHITE, unexplained};
-use crate::outcome::{CHECK, LogEntry, Quantity, finite, sentence};
+use crate::outcome::{CHECK, Quantity, finite, sentence};
 use crate::sheet::Exact;
 use crate::{InStep, Outcome, RodlabError};
 
@@ -100,17 +100,14 @@ fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
         let loss = significant(middle.modulus.im / middle.modulus.re, 3);
         format!("{symbol}' = {modulus} {unit} and loss factor {loss}")
     };
-    outcome.summary.insert(
-        0,
-        format!(
-            "{} rows from {} to {} at {}: {answer} at {}.",
-            rows.len(),
-            first.abscissa(),
-            last.abscissa(),
-            step.in_words(),
-            middle.abscissa(),
-        ),
-    );
+    outcome.lead(format!(
+        "{} rows from {} to {} at {}: {answer} at {}.",
+        rows.len(),
+        first.abscissa(),
+        last.abscissa(),
+        step.in_words(),
+        middle.abscissa(),
+    ));
     if found.sheet.laws.is_none() && !found.sheet.causal {
         outcome.warn("Nothing was fitted: there is one temperature, and the sheet has no `laws`.");
     }
@@ -124,21 +121,18 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) -> Result<(
     let highest = frequencies.fold(0.0, f64::max);
     let temperatures =
         |shift: Option<&Shift>| shift.map_or_else(String::new, |s| celsius(s.temperature));
-    outcome.summary.insert(
-        0,
-        format!(
-            "One curve at {} from {} of {} temperatures ({} to {}), over {} decades of reduced {}, with a residual of {} of |{}|.",
-            celsius(reference),
-            curve.shifts.len(),
-            found.steps.len(),
-            temperatures(curve.shifts.first()),
-            temperatures(curve.shifts.last()),
-            significant((highest / lowest).log10(), 3),
-            if found.has_frequencies() { "frequency" } else { "time" },
-            percent(curve.relative_residual()),
-            found.symbol(),
-        ),
-    );
+    outcome.lead(format!(
+        "One curve at {} from {} of {} temperatures ({} to {}), over {} decades of reduced {}, with a residual of {} of |{}|.",
+        celsius(reference),
+        curve.shifts.len(),
+        found.steps.len(),
+        temperatures(curve.shifts.first()),
+        temperatures(curve.shifts.last()),
+        significant((highest / lowest).log10(), 3),
+        if found.has_frequencies() { "frequency" } else { "time" },
+        percent(curve.relative_residual()),
+        found.symbol(),
+    ));
     if let Some(wanted) = &found.sheet.reference_temperature
         && (wanted.si() - reference).abs() > NEAR_REFERENCE
     {
@@ -171,9 +165,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) -> Result<(
                 });
             }
         }
-        Err(error) => outcome
-            .log
-            .push(LogEntry::rejected("laws of the shifts", error)),
+        Err(error) => outcome.reject("laws of the shifts", error),
     }
     if !curve.unconnected.is_empty() {
         let all: Vec<String> = curve.unconnected.iter().map(|t| celsius(*t)).collect();

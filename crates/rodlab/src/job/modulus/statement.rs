@@ -49,9 +49,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     let named = at_frequencies(outcome, found, &decades(first, last));
     let best = middle_of(&named, first, last).or_else(|| middle_of(&valid, first, last));
     if let Some(line) = best {
-        outcome
-            .summary
-            .insert(0, answer(line, first, last, &valid, all.len()));
+        outcome.lead(answer(line, first, last, &valid, all.len()));
     }
     let noise = if lines_per_independent_line(found) > 1.0 {
         "correlated between neighbouring lines"
@@ -129,23 +127,20 @@ fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Rea
     let (scale, unit) = unit_of(line.modulus.re);
     let modulus = scale * line.modulus.re;
     let relative = line.standard_error.storage_modulus / line.modulus.re;
-    outcome.summary.insert(
-        0,
-        format!(
-            "E' = {} {unit} ± {} at {}; it is known on {} of {} from {} to {}. The loss factor is known on none of them: at {} it is {} ± {}, and {}.",
-            to_error(modulus, modulus * relative),
-            percent(relative),
-            hertz(line.frequency_hz),
-            known.len(),
-            lines(all.len()),
-            hertz(first.frequency_hz),
-            hertz(last.frequency_hz),
-            hertz(line.frequency_hz),
-            to_error(line.loss_factor, line.standard_error.loss_factor),
-            percent((line.standard_error.loss_factor / line.loss_factor).abs()),
-            line.validity,
-        ),
-    );
+    outcome.lead(format!(
+        "E' = {} {unit} ± {} at {}; it is known on {} of {} from {} to {}. The loss factor is known on none of them: at {} it is {} ± {}, and {}.",
+        to_error(modulus, modulus * relative),
+        percent(relative),
+        hertz(line.frequency_hz),
+        known.len(),
+        lines(all.len()),
+        hertz(first.frequency_hz),
+        hertz(last.frequency_hz),
+        hertz(line.frequency_hz),
+        to_error(line.loss_factor, line.standard_error.loss_factor),
+        percent((line.standard_error.loss_factor / line.loss_factor).abs()),
+        line.validity,
+    ));
     outcome.summary.insert(1, format!(
         "Found by {}. Errors are one standard error. A loss factor counts as known if five of its standard errors are within `limits.loss_factor`.",
         found.sheet.method.words()
