@@ -10,7 +10,7 @@ use rodlab::outcome::Verdict;
 use rodlab::templates::JobName;
 use testbed::long_bar::LongBar;
 
-use crate::runs::{Folder, Words, column, words, write_columns};
+use crate::runs::{Folder, Words, attachments_of, column, figures_of, words, write_columns};
 
 /// A bar with gauges 900 and 500 mm before the free end and a quiet recorder; a pulse of 2 ms
 /// overlaps with its reflections.
@@ -117,11 +117,8 @@ fn the_true_law_explains_damped_lines() {
         let rejected = (0..6).filter(|seed| {
             let folder = Folder::new();
             write(folder.path(), &bar.shot(&gains, *seed));
-            let outcome = folder.run(&text).unwrap();
-            outcome
-                .warnings
-                .iter()
-                .any(|warning| warning.contains("are not noise"))
+            let warnings = folder.run(&text).unwrap().warnings;
+            warnings.join("; ").contains("are not noise")
         });
         assert!(rejected.count() <= 1);
     }
@@ -152,11 +149,9 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
                     let first = setting.name.split('.').next();
                     assert!(!of_a_modulus.contains(&first.unwrap()), "{setting:?}");
                 }
-                let names = outcome.attachments.iter().map(|a| a.name.as_str());
-                assert!(names.clone().any(|name| name == "material.json"));
-                for name in ["propagation", "passages", "separated_waves", "model"] {
-                    assert!(outcome.figures.iter().any(|f| f.name == name), "{name}");
-                }
+                attachments_of(&outcome).must_say("material.json");
+                let figures = ["propagation", "passages", "separated_waves", "model"];
+                figures_of(&outcome).must_say_all(&figures);
             }
             // the residual contains noise, 0.01 % of the peak or 0.1 % of the mean over a
             // millisecond, and the invalid lines between valid ones
@@ -181,19 +176,12 @@ fn the_material_of_a_bar_goes_into_a_later_sheet() {
     let folder = Folder::new();
     write(folder.path(), &long_pulse().shot(&[1.0, 0.98], 3));
     let outcome = folder.run(&two_gauges()).unwrap();
-    for file in &outcome.attachments {
-        folder.write(&file.name, &file.bytes);
-    }
+    folder.keep(&outcome);
     let force = r#"Force(title: "striker", materials: {"bar": (law: Result("material.json"))},
         problem: Impact(first: RigidMass("1.2 kg"), second: LongRod(material: "bar", diameter: "20 mm"), velocity: "3 m/s", duration: "3 ms",
             band: "6 kHz"))"#;
-    let struck = folder.run(force).unwrap();
-    assert!(
-        struck
-            .inputs
-            .iter()
-            .any(|input| input.path.ends_with("material.json"))
-    );
+    let mut inputs = folder.run(force).unwrap().inputs.into_iter();
+    assert!(inputs.any(|input| input.path.ends_with("material.json")));
 }
 
 #[test]
@@ -201,13 +189,8 @@ fn mistakes_on_a_bar_are_named() {
     let folder = Folder::new();
     let two = long_pulse().shot(&[1.0, 1.0], 1);
     let one = short_pulse().shot(&[1.0], 1);
-    let clipped: Vec<f64> = {
-        let peak = one[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        one[0]
-            .iter()
-            .map(|x| x.clamp(-0.6 * peak, 0.6 * peak))
-            .collect()
-    };
+    let most = 0.6 * one[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let clipped: Vec<f64> = one[0].iter().map(|x| x.clamp(-most, most)).collect();
     let cases = [
         (
             "silence too long",

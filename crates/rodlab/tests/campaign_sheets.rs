@@ -162,8 +162,8 @@ fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
         after[0]["key"]
     );
 
-    // a wrong sheet is listed with its error, together with the others
-    fs::write(folder.path().join("wrong.ron"), "Force(title: 1)").unwrap();
+    // a wrong sheet is listed with its error, beside the others
+    folder.write("wrong.ron", "Force(title: 1)");
     let all = listed(folder.path(), "*.ron", 2);
     let tests: Vec<&str> = all
         .iter()

@@ -49,24 +49,17 @@ fn long_bar() -> LongBar {
     }
 }
 
-fn write(folder: &Path, name: &str, rows: &[Vec<f64>]) {
-    write_columns(&folder.join(name), rows);
+/// Runs a sheet and writes what it attaches beside it.
+fn run(folder: &Folder, text: &str) -> Result<Outcome, RodlabError> {
+    folder.run(text).inspect(|outcome| folder.keep(outcome))
 }
 
-/// Runs a sheet and writes its attachments next to it.
-fn run(folder: &Path, name: &str, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join(format!("{name}.ron"));
-    fs::write(&path, text).unwrap();
-    let outcome = job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))?;
-    for attachment in &outcome.attachments {
-        fs::write(folder.join(&attachment.name), &attachment.bytes).unwrap();
-    }
-    Ok(outcome)
-}
-
-/// Measures the bar with random errors of the stated positions; `density` is the stated density.
-fn measure_bar(folder: &Path, density: f64, noise: &mut Noise, seed: u64) -> Outcome {
-    write(folder, "bar.csv", &long_bar().shot(&[1.0, 1.02], seed));
+/// Measures the bar: positions and density are off by the laboratory's own errors.
+fn measure_bar(folder: &Folder, density: f64, noise: &mut Noise, seed: u64) -> Outcome {
+    write_columns(
+        &folder.file("bar.csv"),
+        &long_bar().shot(&[1.0, 1.02], seed),
+    );
     let mut placed = |x: f64| 1e3 * (x + POSITION * noise.normal());
     let (first, second) = (placed(1.6), placed(2.0));
     let text = format!(
@@ -182,8 +175,8 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
         let density = 1150.0 + DENSITY * noise.normal();
         let bar = measure_bar(&folder, density, &mut noise, seed);
         assert_eq!(bar.verdict, Verdict::Answered, "{:?}", bar.summary);
-        // the law of the result without its errors
-        let text = fs::read_to_string(folder.path().join("material.json")).unwrap();
+        // the law of the result assumed exact
+        let text = folder.read("material.json");
         let start = text.find("\"errors\": [").unwrap();
         let end = text.find("\"doubts\"").unwrap();
         let without = format!("{}\"errors\": [], {}", &text[..start], &text[end..]);
@@ -409,9 +402,8 @@ fn chain_of_results_is_verified() {
     assert!(found.compared > 5 && found.ancestors[0].compared > 8);
     let all = rodlab::verify::verify_all(folder.path(), Some(folder.path())).unwrap();
     assert!(all.len() == 2 && all.iter().all(|one| one.is_as_it_was()));
-    // the record of the bar is changed, one result is edited by hand, and a sheet is removed
-    let shot = folder.path().join("shot-1.npy");
-    let mut bytes = fs::read(&shot).unwrap();
+    // the record of the bar was edited, one result was edited by hand, and a sheet is gone
+    let mut bytes = folder.bytes("shot-1.npy");
     *bytes.last_mut().unwrap() ^= 1;
     folder.write("shot-1.npy", bytes);
     let found = verify();

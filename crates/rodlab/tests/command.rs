@@ -1,18 +1,17 @@
 //! The program as a user calls it: its messages, its files and its exit status.
 
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 
 use labio::Ordinate;
 use labio::format::workbook::Xlsx;
 use labio::format::{Reader, Strictness};
 
-use crate::runs::{Folder, Words, done, rodlab, text};
+use crate::runs::{Folder, Words, text};
 
-/// Returns the exit status and the text of the standard error.
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = rodlab(folder, arguments);
+/// Status and text of the standard error.
+fn refused(folder: &Folder, call: &str) -> String {
+    let output = folder.rodlab(call);
     assert_eq!(text(&output.stdout), "");
     format!(
         "status {}\n{}",
@@ -94,8 +93,8 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     assert_eq!(result["warnings"], serde_json::json!([]));
     let sentence = result["summary"][0].as_str().unwrap();
     sentence.must_say("loss factor 0.0");
-    // the existing folder is not replaced
-    let said = refused(folder.path(), &["demo", "first"]);
+    // nothing is replaced
+    let said = refused(&folder, "demo first");
     said.must_begin("status 2\nerror: the folder of the demo is first, ");
     said.must_say("`rodlab demo first-2`");
 }
@@ -291,13 +290,10 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
     ]);
     assert!(!folder.has("frf.toml"));
     assert_eq!(fs::read(&result).unwrap(), earlier);
-    // a sheet with a name chosen by the user, and a sheet that existed before, are kept
-    refused(
-        folder.path(),
-        &[&call[..], &["--save", "frf.toml"]].concat(),
-    );
-    refused(folder.path(), &call);
-    assert!(folder.path().join("frf.toml").is_file());
+    // a sheet with a name of the user's choice, and one that was there before, stay
+    refused(&folder, &format!("{call} --save frf.toml"));
+    refused(&folder, call);
+    assert!(folder.file("frf.toml").is_file());
 }
 
 /// The records contain a force of one sample and a response of one sample.

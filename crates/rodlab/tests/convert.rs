@@ -73,8 +73,8 @@ fn a_matlab_file_holds_numbers_names_and_axes() {
         assert_eq!(one.ordinate_axis, other.ordinate_axis);
         assert_eq!(one.abscissa_axis, other.abscissa_axis);
     }
-    // nothing is lost in the conversion to a table
-    let table = folder.path().join("hits.csv");
+    // and nothing is lost on the way to a table
+    let table = folder.file("hits.csv");
     let done = convert(&target, &table, options).unwrap();
     assert!(done.lost.is_empty(), "{:?}", done.lost);
 }
@@ -157,8 +157,8 @@ fn what_a_format_has_no_place_for_is_listed() {
       the property `operator` of the file, `N. N.`
       the property `serial` of `end A`, `12345`
     ");
-    // the values are converted nevertheless
-    let back = format::read(folder.path().join("bare.npy")).unwrap();
+    // the values are there nevertheless
+    let back = format::read(folder.file("bare.npy")).unwrap();
     assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
     let back = format::read(folder.file("sound.wav")).unwrap();
     assert_eq!(back.series[1].ordinate, contents.series[1].ordinate);
@@ -307,8 +307,8 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
     convert(&path, &target, force).unwrap();
     let back = format::read(&target).unwrap();
     assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
-    // the source is refused as a target under any of its names
-    let mut names = vec![path.clone(), folder.path().join("./source.npz")];
+    // by whatever name
+    let mut names = vec![path.clone(), folder.file("./source.npz")];
     #[cfg(unix)]
     {
         let link = folder.file("link.npz");

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::runs::{Folder, Words};
 
-/// Result of a sheet of the examples, written to a temporary folder.
+/// The result of a sheet of the examples.
 fn result_of(example: &str, job: &str) -> Value {
     result_in(&Folder::of_example(example), job)
 }

@@ -9,7 +9,6 @@ mod refused;
 mod sweep;
 
 use std::fs;
-use std::path::Path;
 
 use rodfigure::Mark;
 use rodlab::Outcome;

@@ -15,8 +15,12 @@ use crate::two_masses::{BODY, HAMMER, Hammer, struck};
 const VELOCITY: f64 = 2.0;
 const IMPEDANCE: f64 = 1000.0;
 
-/// Writes `body.uff` to the folder: the mobility from eight hits, with lines up to 6 kHz.
-fn measure(folder: &Path) -> Outcome {
+/// A folder with `body.uff`: the mobility by eight hits, lines up to 6 kHz.
+fn measured() -> Folder {
+    mobility().0
+}
+
+fn mobility() -> (Folder, Outcome) {
     let hammer = Hammer {
         pulse: 0.2e-3,
         ..HAMMER
@@ -102,12 +106,15 @@ fn a_measured_body_presses_as_the_body_itself() {
             assert!((f - exact).abs() < 0.03 * 2e3, "{t}: {f}, exact {exact}");
         }
     }
-    // the stick force, computed on frequency lines, with its errors
-    let time = column(&outcome, "stick_force", "time");
-    let force = column(&outcome, "stick_force", "stick force");
-    let errors = column(&outcome, "stick_force", "standard error");
-    let lower = column(&outcome, "stick_force", "band of the whole contact, lower");
-    let upper = column(&outcome, "stick_force", "band of the whole contact, upper");
+    // the stick force on lines with its errors
+    let [time, force, errors, lower, upper] = [
+        "time",
+        "stick force",
+        "standard error",
+        "band of the whole contact, lower",
+        "band of the whole contact, upper",
+    ]
+    .map(|name| column(&outcome, "stick_force", name));
     let mut n_inside = 0;
     let mut n_all = 0;
     for n in 0..time.len() {
@@ -172,9 +179,9 @@ fn more_error_of_the_scale_is_more_error_of_the_force() {
     let folder = measured();
     let error_of = |scale: &str| {
         let first = FIRST.replace("1 %", scale);
-        let outcome = attempt(folder.path(), &sheet(&first, "uncertainty: (draws: 60)")).unwrap();
-        // the face is a mass: the initial jump is Z V for any scale, but the later force depends on
-        // the scale
+        let text = sheet(&first, "uncertainty: (draws: 60)");
+        let outcome = folder.run(&text).unwrap();
+        // the face is a mass: the initial jump is Z V whatever its scale, the later force is not
         let errors = column(&outcome, "stick_force", "standard error");
         let later = column(&outcome, "stick_force", "time")
             .iter()
@@ -276,11 +283,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
     for (a, b) in ours.iter().zip(theirs) {
         assert!((a - b).abs() < 2e-3 * peak, "{a}, in one piece {b}");
     }
-    // only the scale of the bit is uncertain, and the rod in front of it is known: the error is
-    // less than 1 % of the force
-    let error = quantity(&found, "peak force in the band")
-        .standard_error
-        .unwrap();
+    // the scale of the bit alone, behind a rod that is known: less than 1 % of the force
+    let (_, error) = estimate(&found, "peak force in the band");
     assert!(
         error > 1e-5 * peak && error < 5e-3 * peak,
         "{error} of {peak}"

@@ -37,27 +37,25 @@ fn record(name: &str, shift: f64) -> NamedRecord {
 }
 
 fn found(text: &str) -> FoundHits {
-    let records = vec![
-        record("a.npy", 0.0),
-        record("b.npy", 5.0),
-        record("c.npy", 0.0),
-    ];
-    sheet(text)
-        .unwrap()
-        .find(records, "hammer", "hits")
-        .unwrap()
+    let records = [("a.npy", 0.0), ("b.npy", 5.0), ("c.npy", 0.0)];
+    found_in(
+        text,
+        records.map(|(name, shift)| record(name, shift)).into(),
+    )
+}
+
+fn found_in(text: &str, records: Vec<NamedRecord>) -> FoundHits {
+    let sheet = sheet(text).unwrap();
+    sheet.find(records, "hammer", "hits").unwrap()
 }
 
 fn settings(found: &FoundHits) -> String {
-    let lines: Vec<String> = found
-        .settings()
-        .iter()
-        .map(|s| {
-            let by = if s.by_default { " (default)" } else { "" };
-            format!("{} = {}{by}", s.name, s.value)
-        })
-        .collect();
-    lines.join("\n")
+    let settings = found.settings();
+    let lines = settings.iter().map(|s| {
+        let by = if s.by_default { " (default)" } else { "" };
+        format!("{} = {}{by}", s.name, s.value)
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 #[test]
@@ -87,34 +85,29 @@ fn a_check_that_is_left_out_rejects_nothing() {
     assert_eq!(without.n_accepted(), 3);
     assert_eq!(without.in_words(), "all 3 hits are accepted");
     let said = settings(&without);
-    said.must_say("hits.criteria.level_shift = not checked");
-    said.must_say("hits.criteria.double_hit = 0.2");
-    said.must_say("hits.criteria.peak_over_noise = 10.0 (default)");
+    said.must_say_all(&[
+        "hits.criteria.level_shift = not checked",
+        "hits.criteria.double_hit = 0.2",
+        "hits.criteria.peak_over_noise = 10.0 (default)",
+    ]);
 }
 
 #[test]
 fn r17_every_reason_of_a_rejection_is_told_with_its_hits() {
     let records = || -> Vec<NamedRecord> {
         let shift = |i: i32| if (1..4).contains(&i) { 5.0 } else { 0.0 };
-        (0..6)
-            .map(|i| record(&format!("{i}.npy"), shift(i)))
-            .collect()
+        let records = (0..6).map(|i| record(&format!("{i}.npy"), shift(i)));
+        records.collect()
     };
     let rejected =
         "(reject: [(hit: 6, because: \"slipped\")], accept: [(hit: 3, because: \"warm\")])";
-    let found = sheet(rejected)
-        .unwrap()
-        .find(records(), "hammer", "hits")
-        .unwrap();
+    let found = found_in(rejected, records());
     assert_eq!(
         found.in_words(),
         "3 of 6 hits accepted, rejected: level shift 2 (hits 2, 4), by hand 1 (hit 6)"
     );
     let none = "(cut: Trigger(level: \"1 kN\", length: \"10 ms\", pre_trigger: \"1 ms\"))";
-    let found = sheet(none)
-        .unwrap()
-        .find(records(), "hammer", "hits")
-        .unwrap();
+    let found = found_in(none, records());
     found.in_words().must_say("not triggered 6 (hits 1-6)");
 }
 
@@ -122,28 +115,22 @@ fn r17_every_reason_of_a_rejection_is_told_with_its_hits() {
 fn r17_the_kind_of_hits_sets_the_defaults_and_a_sheet_states_another() {
     let kind = |text: &str, usual| {
         let records = vec![record("a.npy", 5.0)];
-        let found = sheet(text)
-            .unwrap()
-            .find_of(usual, records, "hammer", "hits")
-            .unwrap();
+        let sheet = sheet(text).unwrap();
+        let found = sheet.find_of(usual, records, "hammer", "hits").unwrap();
         (found.n_accepted(), settings(&found))
     };
     let (n, said) = kind("()", HitKind::BarPulses);
     assert_eq!(n, 1);
-    for setting in [
+    said.must_say_all(&[
         "hits.criteria.kind = pulses cut out of waves in a bar (default)",
         "hits.criteria.double_hit = not checked (default)",
         "hits.criteria.level_shift = not checked (default)",
-    ] {
-        said.must_say(setting);
-    }
+    ]);
     let (n, said) = kind("(criteria: (kind: Hammer))", HitKind::BarPulses);
     assert_eq!(n, 0);
     said.must_say("hits.criteria.remainder = 0.01 (default)");
-    let (n, said) = kind(
-        "(criteria: (kind: BarPulses, level_shift: 0.02))",
-        HitKind::Hammer,
-    );
+    let pulses = "(criteria: (kind: BarPulses, level_shift: 0.02))";
+    let (n, said) = kind(pulses, HitKind::Hammer);
     assert_eq!(n, 0);
     said.must_say("hits.criteria.level_shift = 0.02");
 }
@@ -173,11 +160,9 @@ fn what_is_no_level_or_stretch_says_why() {
     1:13-1:23: Unexpected field named `doubel_hit` in `CriteriaSheet`, expected one of `kind`, `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, or `remainder` instead
     1:18: Unexpected missing field named `because` in `RulingSheet`
     "#);
-    // the length of the trigger is too short at this rate
-    let short =
-        sheet(r#"(cut: Trigger(level: "20 N", length: "5 ms", pre_trigger: "10 ms"))"#).unwrap();
-    let error = short
-        .find(vec![record("a.npy", 0.0)], "hammer", "hits")
-        .unwrap_err();
+    // a trigger that makes no sense at this rate
+    let short = r#"(cut: Trigger(level: "20 N", length: "5 ms", pre_trigger: "10 ms"))"#;
+    let (short, records) = (sheet(short).unwrap(), vec![record("a.npy", 0.0)]);
+    let error = short.find(records, "hammer", "hits").unwrap_err();
     insta::assert_snapshot!(error, @r"hits, judging hits, a.npy: the hit cut by the trigger has 100 samples, expected at least 201");
 }

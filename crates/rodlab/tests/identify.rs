@@ -59,9 +59,14 @@ fn sheet(tests: &[String], more: &str) -> String {
     )
 }
 
-/// Writes records of tests at 3 and 24 m/s with noise of 0.5 % of the velocity, and returns their
-/// entries.
-fn slow_and_fast(folder: &TempDir, truth: &impl InelasticLaw) -> [String; 2] {
+fn is_rejected(outcome: &Outcome, name: &str) {
+    let found = quantity(outcome, name);
+    assert!(!found.valid, "{found:?}");
+    found.verdict.must_begin("rejected");
+}
+
+/// Entries of tests at 3 and 24 m/s, whose records are written with noise of 0.5 % of the velocity.
+fn slow_and_fast(folder: &Folder, truth: &impl InelasticLaw) -> [String; 2] {
     [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)].map(|(file, velocity, seed)| {
         let path = folder.file(file);
         velocities(truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
@@ -97,12 +102,8 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     ] {
         assert!(is_found(&outcome, name, truth, [3.0, largest]).valid);
     }
-    // a linear law does not fit both tests, and its parameters are not those of the material
-    let rejected = quantity(&outcome, "Maxwell: viscosity eta");
-    assert!(
-        !rejected.valid && rejected.verdict.starts_with("rejected"),
-        "{rejected:?}"
-    );
+    // a linear law cannot have these two, and its parameters are not those of the material
+    is_rejected(&outcome, "Maxwell: viscosity eta");
     assert!(words(&outcome, "laws", "law").contains(&"Maxwell-Norton".to_owned()));
     assert_eq!(figures_of(&outcome), "responses, residuals, profiles");
     // both files are listed with their hashes
@@ -117,11 +118,10 @@ fn tests_that_contradict_each_other_are_in_doubt() {
     let folder = Folder::new();
     let truth = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
     let mut tests = slow_and_fast(&folder, &truth);
-    let agreeing = answered(attempt(folder.path(), &sheet(&tests, QUICK)));
-    // a difference of a few kelvin between the tests would change the exponent
-    agreeing
-        .warnings
-        .must_begin("The temperatures of the tests are not stated");
+    let agreeing = answered(folder.run(&sheet(&tests, QUICK)));
+    // a few kelvin between the tests would change the exponent
+    let unstated = "The temperatures of the tests are not stated";
+    agreeing.warnings.must_begin(unstated);
     tests[1] = tests[1].replace(
         "to: ",
         r#"specimen: (length: "404 mm ± 0 mm", density: "912 kg/m3 ± 0 %"), to: "#,
@@ -145,10 +145,8 @@ fn a_reversed_response_and_a_noise_below_the_converter_are_refused() {
 
 #[test]
 fn one_impact_velocity_cannot_tell_the_laws_apart() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("one.csv");
-    // noise of 0.5 % of the impact velocity
-    velocities(&Maxwell::new(4e6).unwrap(), 10.0).write(&path, 0.05, 3, "m/s", 1.0);
+    // 0.5 % of the impact velocity
+    let folder = recorded(&velocities(&Maxwell::new(4e6).unwrap(), 10.0), 0.05, 3);
     let test = test_entry(
         "one.csv",
         "10 m/s",
@@ -208,8 +206,8 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
     wrong.must_say("next.rods.gaps is 8 mm, expected above 0 and less than every length");
 }
 
-/// Writes records of two tests with a flat striker at 3 and 27 m/s, and returns their entries.
-fn behind_a_flat_striker(folder: &TempDir, truth: &impl InelasticLaw, own: &str) -> Vec<String> {
+/// Entries of two tests behind a flat striker of 3 and 27 m/s, whose records are written.
+fn behind_a_flat_striker(folder: &Folder, truth: &impl InelasticLaw, own: &str) -> Vec<String> {
     let tests = [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)];
     let entries = tests.map(|(file, velocity, seed)| {
         let path = folder.file(file);
@@ -332,12 +330,8 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
     ] {
         assert!(is_found(&outcome, name, truth, [3.5, 0.2]).valid);
     }
-    let rejected = quantity(&outcome, "Maxwell: viscosity eta");
-    assert!(
-        !rejected.valid && rejected.verdict.starts_with("rejected"),
-        "{rejected:?}"
-    );
-    // only valid quantities are called identified
+    is_rejected(&outcome, "Maxwell: viscosity eta");
+    // nothing is called identified that is not valid
     for found in &outcome.quantities {
         assert!(found.valid || found.verdict != "identified", "{found:?}");
     }
@@ -409,16 +403,12 @@ fn displacements_are_differentiated_and_give_the_law() {
              and by more in a thicker one: state `diameter` and `poisson_ratio` of the specimen",
         ]
     );
-    // a transducer whose range the free end exceeds
-    let short = attempt(
-        folder.path(),
-        &sheet(&[test(&noise.replace("20 mm", "2 mm"))], only_maxwell),
-    )
-    .unwrap();
-    let said = &short.log[0].reasons;
-    said.must_begin("the transducer of the");
-    // the same sheet and file give the same result to the last digit
-    let again = attempt(folder.path(), &text).unwrap();
+    // a transducer that lost the free end
+    let short = sheet(&[test(&noise.replace("20 mm", "2 mm"))], only_maxwell);
+    let short = folder.run(&short).unwrap();
+    short.log[0].reasons.must_begin("the transducer of the");
+    // the same sheet and file, the same result to the last digit
+    let again = folder.run(&text).unwrap();
     assert_eq!(json(&outcome), json(&again));
     assert_eq!(outcome.figures, again.figures);
 }

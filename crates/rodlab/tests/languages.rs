@@ -58,8 +58,8 @@ fn outcome(path: &Path, text: &str) -> Outcome {
     job::run(&sheet, &Silent, &AtomicBool::new(false)).unwrap()
 }
 
-/// All examples are compared except virtual tests, whose results name sheets by their extension,
-/// and the longest computations, whose sheets are compared above.
+/// All but virtual tests, whose results name sheets by their extension, and the two longest: after
+/// a sheet is read, its language acts on the list of settings alone. All sheets are compared above.
 #[test]
 fn results_do_not_depend_on_the_language() {
     let others = ["plan", "striker", "nylon/identify", "drill_string/force"];

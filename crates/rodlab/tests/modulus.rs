@@ -138,15 +138,14 @@ fn check_causal(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, 
 
 #[test]
 fn the_template_is_a_sheet_that_runs() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 6, 2);
-    // the records are one long file, from sensors of 0.5 mV/g
+    let folder = hits(6, 2);
+    // these records are one long file, of sensors of 0.5 mV/g
     let template = include_str!("../templates/modulus.ron")
         .replace("hit-*.npy", "hits.npy")
         .replace("10 mV/g", "0.5 mV/g")
         .replace("        // hits: (cut", "        hits: (cut");
-    let outcome = answered(run(folder.path(), &template));
-    // two sensitivities with errors of 1 % each; the lines determine their ratio better
+    let outcome = answered(folder.run(&template));
+    // two sensitivities of 1 % each, which the lines determine better
     let gain = quantity(&outcome, "error of the ratio of the sensitivities, found");
     assert!(gain.standard_error.unwrap() < 0.1, "{gain:?}");
     let columns: Vec<&str> = table(&outcome, "budget")

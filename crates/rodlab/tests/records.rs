@@ -61,8 +61,8 @@ fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
     let folder = Folder::new();
     for (name, scale) in [("b.npy", 2.0), ("a.npy", 1.0)] {
         write_npy(
-            &folder.path().join(name),
-            // the first row is not used
+            &folder.file(name),
+            // the first row is none that is used
             &[
                 &[0.0, 1.0, 2.0, 3.0],
                 &[0.0, 0.5 * scale, 0.25, 0.0],
@@ -179,10 +179,10 @@ fn a_file_that_is_missing_or_of_no_known_format_is_named() {
 
 #[test]
 fn what_a_file_tells_is_believed_and_contradictions_are_said() {
-    let folder = tempfile::tempdir().unwrap();
-    // a step of 1/1024 s, rounded to microseconds as by a recorder
-    fs::write(
-        folder.path().join("hit.csv"),
+    let folder = Folder::new();
+    // 1/1024 s, rounded as a recorder does
+    folder.write(
+        "hit.csv",
         "Time (s),hammer (N),end A (g)\n0,0,0\n0.000977,40,1\n0.001954,10,2\n0.002931,0,1\n",
     );
     let loaded = load(

@@ -47,7 +47,7 @@ fn refused(text: &str) -> String {
     outcome_of(Path::new("."), text).refused()
 }
 
-/// Writes the files of a virtual test and runs the sheet `name` among them.
+/// Writes the files into the folder of the plan, and runs the sheet `name` among them.
 fn evaluated(
     made: &Outcome,
     folder: &Folder,
@@ -137,31 +137,19 @@ fn both_ends_give_the_modulus_that_was_put_in() {
         let made = answered(folder.run(&text));
         assert_eq!(made.warnings, Vec::<String>::new());
         assert_eq!(figures_of(&made), "histories, spectra");
-        let names: Vec<&str> = made.attachments.iter().map(|f| f.name.as_str()).collect();
-        assert_eq!(names.len(), 11);
-        assert_eq!(
-            [names[0], names[9], names[10]],
-            ["records-01.csv", "records-10.csv", "modulus.ron"]
-        );
-        // the table of true values agrees with the closed form
-        let frequency = column(&made, "true-modulus", "frequency");
-        for (f, e) in frequency
-            .iter()
-            .zip(column(&made, "true-modulus", "storage modulus"))
-        {
+        assert_eq!(made.attachments.len(), 11);
+        let names = [0, 9, 10].map(|at: usize| made.attachments[at].name.as_str());
+        assert_eq!(names, ["records-01.csv", "records-10.csv", "modulus.ron"]);
+        // the table of the truth is that of the closed form
+        let of = |name: &str| column(&made, "true-modulus", name).iter();
+        for (f, e) in of("frequency").zip(of("storage modulus")) {
             assert!((e / polypropylene(*f).0 - 1.0).abs() < 1e-12, "{f}: {e}");
         }
         let found = evaluated(&made, &folder, "modulus.ron", |text| text);
         assert_modulus_is_that_of_polypropylene(&found, 300);
-        // no check fails
-        assert!(
-            !found
-                .warnings
-                .iter()
-                .any(|warning| warning.contains("fails")),
-            "{:#?}",
-            found.warnings
-        );
+        // no check gives a false alarm
+        let warnings = found.warnings.join("\n");
+        assert!(!warnings.contains("fails"), "{warnings}");
     }
 }
 
@@ -368,15 +356,9 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
     let more = tests_of(&section).replace("files: [\"", "files: [\"next/");
     let length = named("impact velocity")[1];
     assert!(length > 0.0);
-    // the entry of the planned test has its own rod
-    let section = read(&next_folder.join("identify.ron"));
-    let own = section
-        .split("specimen: (")
-        .nth(1)
-        .unwrap()
-        .split("),")
-        .next()
-        .unwrap();
+    // the rod of the planned test, in its own entry
+    let (_, own) = section.split_once("specimen: (").unwrap();
+    let (own, _) = own.split_once("),").unwrap();
     let more = more.replace("records: (", &format!("specimen: ({own}), records: ("));
     let together = |text: String| {
         let at = text.rfind("],").unwrap();
@@ -490,9 +472,9 @@ fn the_seed_and_nothing_else_decides() {
         let made = of(&format!(r#"output: "one.{format}""#));
         assert_eq!(made.attachments[1].name, format!("one-2.{format}"));
         assert!(samples(&made) == samples(&first), "{format}");
-        // the sheet states everything that the file does not contain
-        let folder = TempDir::new().unwrap();
-        let found = evaluated(&made, folder.path(), "modulus.ron", |text| text);
+        // and the sheet states what the file does not
+        let folder = Folder::new();
+        let found = evaluated(&made, &folder, "modulus.ron", |text| text);
         assert_eq!(found.inputs.len(), 2, "{format}");
     }
 }

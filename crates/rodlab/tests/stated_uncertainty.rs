@@ -335,8 +335,9 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         record: (files: ["hit2.csv"], channels: [(name: "face", from: "acceleration", sensitivity: "1")]), response: "face",
         noise: White("0.5 m/s2"), acting: (from: "3.5 ms", to: "5 ms"), uncertainty: (draws: 200, seed: 1, level: "95 %")))"#
         .replace("RECORDS", channels);
-    // the same body with measured points, as a member of an assembly
-    let points = measured.replace(
+    // the same body by its points, with a rigid mass behind
+    let points = replaced(
+        measured,
         r#"Measured(file: "body.uff", support: Free(mass: "1.5 kg"), scale_uncertainty: "1 %", front_impedance: "5000 kg/s")"#,
         r#"Assembly(face: "head, face", joints: [], members: [(name: "head", measured: (points: ["face"], support: Free(mass: "1.5 kg"), mobilities: [
             (between: ("face", "face"), response: (file: "body.uff"), front_impedance: "5000 kg/s")]))])"#,

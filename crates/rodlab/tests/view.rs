@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,10 +32,8 @@ impl Served {
         let sheet = folder.file(sheet);
         let view = View::of(&sheet, 0).unwrap();
         let address = view.address();
-        let (host, path) = address
-            .strip_prefix("http://")
-            .and_then(|rest| rest.split_once('/'))
-            .unwrap();
+        let address = address.strip_prefix("http://").unwrap();
+        let (host, path) = address.split_once('/').unwrap();
         let interrupted = Arc::new(AtomicBool::new(false));
         let (host, path) = (host.to_owned(), format!("/{path}"));
         let flag = Arc::clone(&interrupted);
@@ -49,10 +47,10 @@ impl Served {
         }
     }
 
-    /// Status, head and body of the answer to the bytes of a request.
-    fn answer(&self, request: &[u8]) -> (u16, String, Vec<u8>) {
+    /// Status, head and body of the answer to a request that is written by hand.
+    fn answer(&self, request: impl AsRef<[u8]>) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(&self.host).unwrap();
-        stream.write_all(request).unwrap();
+        stream.write_all(request.as_ref()).unwrap();
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
         let end = bytes.windows(4).position(|end| end == b"\r\n\r\n").unwrap();
@@ -63,17 +61,14 @@ impl Served {
 
     fn get(&self, what: &str) -> (u16, String, Vec<u8>) {
         let (path, host) = (&self.path, &self.host);
-        self.answer(format!("GET {path}{what} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
+        self.answer(format!("GET {path}{what} HTTP/1.1\r\nHost: {host}\r\n\r\n"))
     }
 
     fn post_from(&self, origin: &str, what: &str, body: &str) -> (u16, String, Vec<u8>) {
         let (path, host, length) = (&self.path, &self.host, body.len());
-        self.answer(
-            format!(
-                "POST {path}{what} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nContent-Length: {length}\r\n\r\n{body}"
-            )
-            .as_bytes(),
-        )
+        self.answer(format!(
+            "POST {path}{what} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nContent-Length: {length}\r\n\r\n{body}"
+        ))
     }
 
     fn post(&self, what: &str, body: &str) -> Value {
@@ -83,10 +78,17 @@ impl Served {
     }
 
     fn evaluate(&self, text: &str, quick: bool) -> Value {
-        self.post(
-            "evaluate",
-            &json!({ "text": text, "quick": quick }).to_string(),
-        )
+        let asked = json!({ "text": text, "quick": quick });
+        self.post("evaluate", &asked.to_string())
+    }
+
+    /// The answer to a request to save a text in place of that of this hash.
+    fn save(&self, text: &str, was: &Value) -> Value {
+        self.post("save", &json!({ "text": text, "was": was }).to_string())
+    }
+
+    fn on_disk(&self) -> String {
+        fs::read_to_string(&self.sheet).unwrap()
     }
 
     fn sheet(&self) -> (String, String) {
@@ -114,7 +116,7 @@ fn strangers_are_refused() {
     let served = Served::of("rod.toml");
     let (path, host) = (&served.path, &served.host);
     host.must_begin("127.0.0.1:");
-    let status = |request: String| served.answer(request.as_bytes()).0;
+    let status = |request: String| served.answer(request).0;
     let get =
         |path: &str, host: &str| status(format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"));
     assert_eq!(get(path, host), 200);
@@ -129,11 +131,9 @@ fn strangers_are_refused() {
     for origin in ["http://evil.example", "null", "http://127.0.0.1:1"] {
         assert_eq!(served.post_from(origin, "save", &body).0, 403, "{origin}");
     }
-    assert_eq!(
-        status(format!("DELETE {path} HTTP/1.1\r\nHost: {host}\r\n\r\n")),
-        405
-    );
-    assert_eq!(fs::read_to_string(&served.sheet).unwrap(), text);
+    let delete = format!("DELETE {path} HTTP/1.1\r\nHost: {host}\r\n\r\n");
+    assert_eq!(status(delete), 405);
+    assert_eq!(served.on_disk(), text);
 }
 
 /// Bytes that are not a request, or too long, are refused before they are read.
@@ -142,34 +142,22 @@ fn what_is_no_request_is_refused() {
     let served = Served::of("rod.toml");
     let (path, host) = (&served.path, &served.host);
     assert_eq!(served.answer(b"\x16\x03\x01 no http\r\n\r\n").0, 400);
-    let long = format!(
-        "GET {path} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n",
-        "x".repeat(64 << 10)
-    );
-    assert_eq!(served.answer(long.as_bytes()).0, 431);
-    let head = |more: &str| {
-        format!(
-            "POST {path}evaluate HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n{more}\r\n\r\n"
-        )
-    };
-    assert_eq!(
-        served
-            .answer(head("Content-Length: 99999999999").as_bytes())
-            .0,
-        413
-    );
-    assert_eq!(served.answer(head("Content-Length: -1").as_bytes()).0, 400);
-    assert_eq!(
-        served
-            .answer(head("Transfer-Encoding: chunked").as_bytes())
-            .0,
-        411
-    );
-    assert_eq!(
-        served.post_from(&format!("http://{host}"), "rule", "{").0,
-        400
-    );
-    // the next request is answered
+    let long = "x".repeat(64 << 10);
+    let long = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nX: {long}\r\n\r\n");
+    assert_eq!(served.answer(long).0, 431);
+    for (head, status) in [
+        ("Content-Length: 99999999999", 413),
+        ("Content-Length: -1", 400),
+        ("Transfer-Encoding: chunked", 411),
+    ] {
+        let request = format!(
+            "POST {path}evaluate HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n{head}\r\n\r\n"
+        );
+        assert_eq!(served.answer(request).0, status, "{head}");
+    }
+    let own = format!("http://{host}");
+    assert_eq!(served.post_from(&own, "rule", "{").0, 400);
+    // and the next one is answered
     assert_eq!(served.get("").0, 200);
 }
 
@@ -186,10 +174,8 @@ fn the_page_shows_the_report_of_the_job() {
     assert!(page.contains("<h1>rod.toml</h1>") && !page.contains("{token}"));
     let (text, _) = served.sheet();
     let found = served.evaluate(&text, false);
-    assert!(
-        found["standing"].is_string() && found["headline"].is_string(),
-        "{found}"
-    );
+    let words = ["standing", "headline"];
+    assert!(words.iter().all(|word| found[word].is_string()), "{found}");
     let (status, _, report) = served.get(&format!("report/{}", found["report"]));
     assert_eq!(status, 200);
     let folder = served.folder.file("result");
@@ -209,11 +195,8 @@ fn the_page_shows_the_report_of_the_job() {
     assert_eq!(quick["headline"], found["headline"]);
     // the places of values are counted in UTF-16 units, as in scripts
     let units: Vec<u16> = text.encode_utf16().collect();
-    let length = found["values"].as_array().unwrap().iter();
-    let length = length
-        .clone()
-        .find(|one| one["name"] == "specimen.length")
-        .unwrap();
+    let mut values = found["values"].as_array().unwrap().iter();
+    let length = values.find(|one| one["name"] == "specimen.length").unwrap();
     let place = |key: &str| length[key].as_u64().unwrap() as usize;
     let there = String::from_utf16(&units[place("from")..place("to")]).unwrap();
     there.must_begin("\"");
@@ -226,22 +209,13 @@ fn mistakes_are_shown_at_their_lines() {
     let (text, _) = served.sheet();
     let found = served.evaluate(&text.replace("diameter", "diametre"), true);
     let first = &found["mistakes"][0];
-    let line = text
-        .lines()
-        .position(|line| line.contains("diameter"))
-        .unwrap();
-    assert_eq!(first["line"], line + 1, "{found}");
-    assert!(
-        first["words"].as_str().unwrap().contains("diametre"),
-        "{found}"
-    );
+    let line = text.lines().position(|line| line.contains("diameter"));
+    assert_eq!(first["line"], line.unwrap() + 1, "{found}");
+    first["words"].as_str().unwrap().must_say("diametre");
     let found = served.evaluate("no sheet", true);
     assert!(found["mistakes"].is_array(), "{found}");
     let found = served.evaluate(&text.replace("hits-", "missing-"), true);
-    assert!(
-        found["wrong"].as_str().unwrap().contains("missing-"),
-        "{found}"
-    );
+    found["wrong"].as_str().unwrap().must_say("missing-");
 }
 
 /// A hit that is rejected is left out of the result, and can be accepted again.
@@ -256,23 +230,15 @@ fn hits_are_rejected_and_accepted() {
         let ruled = |text: &str, ruling: &str| {
             let asked = json!({ "text": text, "hit": 2, "ruling": ruling });
             let answer = served.post("rule", &asked.to_string());
-            answer["text"]
-                .as_str()
-                .unwrap_or_else(|| panic!("{answer}"))
-                .to_owned()
+            let text = answer["text"].as_str();
+            text.unwrap_or_else(|| panic!("{answer}")).to_owned()
         };
         let without = ruled(&text, "reject");
         let found = hits(&without);
-        let accepted: Vec<bool> = (0..5)
-            .map(|k| found[k]["accepted"].as_bool().unwrap())
-            .collect();
+        let accepted = [0, 1, 2, 3, 4].map(|k: usize| found[k]["accepted"].as_bool().unwrap());
         assert_eq!(accepted, [true, false, true, true, true], "{found}");
-        assert!(
-            found[1]["reasons"][0]
-                .as_str()
-                .unwrap()
-                .starts_with("rejected by hand")
-        );
+        let reason = found[1]["reasons"][0].as_str().unwrap();
+        reason.must_begin("rejected by hand");
         assert_eq!(hits(&ruled(&without, "criteria")), before);
     }
 }
@@ -285,32 +251,24 @@ fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
     let (text, hash) = served.sheet();
     let longer = text.replace("title = \"", "title = \"Longer: ");
     assert_ne!(longer, text);
-    let saved = served.post("save", &json!({ "text": longer, "was": hash }).to_string());
-    assert_eq!(
-        fs::read_to_string(&served.sheet).unwrap(),
-        longer,
-        "{saved}"
-    );
-    // another program writes to the sheet
+    let saved = served.save(&longer, &hash.into());
+    assert_eq!(served.on_disk(), longer, "{saved}");
+    // another program writes
     fs::write(&served.sheet, "# mine\n").unwrap();
-    let again = json!({ "text": text, "was": saved["hash"] }).to_string();
-    let refused = served.post("save", &again);
-    assert!(
-        refused["wrong"]
-            .as_str()
-            .unwrap()
-            .contains("another program"),
-        "{refused}"
-    );
-    assert_eq!(fs::read_to_string(&served.sheet).unwrap(), "# mine\n");
-    // a read-only sheet
+    let refused = served.save(&text, &saved["hash"]);
+    refused["wrong"]
+        .as_str()
+        .unwrap()
+        .must_say("another program");
+    assert_eq!(served.on_disk(), "# mine\n");
+    // a sheet that may not be changed
     let (_, hash) = served.sheet();
     let mut permissions = fs::metadata(&served.sheet).unwrap().permissions();
     permissions.set_readonly(true);
     fs::set_permissions(&served.sheet, permissions).unwrap();
-    let refused = served.post("save", &json!({ "text": text, "was": hash }).to_string());
+    let refused = served.save(&text, &hash.into());
     assert!(refused["wrong"].is_string(), "{refused}");
-    assert_eq!(fs::read_to_string(&served.sheet).unwrap(), "# mine\n");
+    assert_eq!(served.on_disk(), "# mine\n");
 }
 
 /// The command prints the address, serves it, and ends with status 0 when it is interrupted.
@@ -327,24 +285,19 @@ fn the_command_serves_until_it_is_interrupted() {
         .spawn()
         .unwrap();
     let mut line = String::new();
-    BufReader::new(child.stdout.take().unwrap())
-        .read_line(&mut line)
-        .unwrap();
-    let address = line
-        .split(' ')
-        .find_map(|word| word.strip_prefix("http://"))
-        .unwrap();
-    let (host, path) = address.split_once('/').unwrap();
+    let mut output = BufReader::new(child.stdout.take().unwrap());
+    output.read_line(&mut line).unwrap();
+    let mut words = line.split(' ');
+    let address = words.find_map(|word| word.strip_prefix("http://"));
+    let (host, path) = address.unwrap().split_once('/').unwrap();
     let mut stream = TcpStream::connect(host).unwrap();
     write!(stream, "GET /{path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
     let mut page = String::new();
     stream.read_to_string(&mut page).unwrap();
     page.must_begin("HTTP/1.1 200");
-    let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(killed.success());
+    let mut kill = Command::new("kill");
+    kill.args(["-INT", &child.id().to_string()]);
+    assert!(kill.status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 

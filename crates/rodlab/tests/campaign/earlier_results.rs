@@ -1,7 +1,7 @@
 //! Runs in a folder with results of an earlier run, or with files of another origin.
 
 use super::*;
-use crate::runs::{Folder, Words, done, path_of_example};
+use crate::runs::{Folder, Words, path_of_example};
 
 #[test]
 fn what_is_done_is_not_done_again_unless_something_has_changed() {
@@ -15,29 +15,14 @@ fn what_is_done_is_not_done_again_unless_something_has_changed() {
     let first = written("slow/1");
     let second = written("slow/2");
 
-    // one sheet is changed, one is corrected
-    fs::write(
-        folder.path().join("campaign/slow/2.ron"),
-        sheet("2 m/s", "5 ms"),
-    )
-    .unwrap();
-    fs::write(
-        folder.path().join("campaign/slow/wrong.ron"),
-        sheet("9 m/s", "4 ms"),
-    )
-    .unwrap();
-    let run = rodlab(
-        folder.path(),
-        &["batch", "campaign", "--out", "results", "--resume"],
-    );
+    // one sheet changes, one is mended
+    folder.write("campaign/slow/2.ron", sheet("2 m/s", "5 ms"));
+    folder.write("campaign/slow/wrong.ron", sheet("9 m/s", "4 ms"));
+    let run = folder.rodlab("batch campaign --out results --resume");
     assert_eq!(run.status.code(), Some(1), "one test is still not allowed");
     assert_eq!(written("slow/1"), first, "a finished test was repeated");
-    assert_ne!(
-        written("slow/2"),
-        second,
-        "a test with a changed sheet was not repeated"
-    );
-    let after = files_below(&folder.path().join("results"));
+    assert_ne!(written("slow/2"), second, "a test with a changed sheet was not repeated");
+    let after = files_below(&folder.file("results"));
     assert!(!after.contains_key(Path::new("slow/wrong/failure.json")));
     assert!(after.contains_key(Path::new("slow/wrong/result.json")));
     assert_eq!(

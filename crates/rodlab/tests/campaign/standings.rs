@@ -3,11 +3,10 @@
 use super::*;
 use crate::runs::{Folder, Words, path_of_example};
 
-/// A campaign with the rod of the examples as it was measured, and with one sensor of inverted
-/// polarity.
-fn right_and_inverted() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
+/// The rod of the examples as it was measured, and with a sensor that is wired the other way round.
+fn right_and_inverted() -> Folder {
+    let folder = Folder::new();
+    let example = path_of_example("polypropylene");
     for name in ["right", "inverted"] {
         let test = folder.file("campaign").join(name);
         fs::create_dir_all(&test).unwrap();

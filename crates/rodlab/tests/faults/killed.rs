@@ -22,8 +22,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         &extent.of(&blocks, 5),
         |&blocks| {
             let folder = struck_mass::folder();
-            put(&folder.path().join("out"), &earlier);
-            // the system kills a process that writes beyond the limit
+            put(&folder.file("out"), &earlier);
+            // the system ends who writes beyond the limit
             let script = format!(
                 "ulimit -c 0; ulimit -f {blocks}; exec \"$0\" force hit.ron --quiet --out out"
             );

@@ -79,8 +79,8 @@ fn in_place_of_a_file(extent: Extent) -> Row {
             if ran.status != Some(2) || !said.contains("odd") {
                 return Came::Lost(format!("{name}, {arguments:?}: {:?}, {said}", ran.status));
             }
-            let out = files_in(&folder.path().join("out"));
-            // the other test is run, whatever is wrong with one of them
+            let out = files_in(&folder.file("out"));
+            // whatever is wrong with one test, the other is done
             let other =
                 arguments.contains(&"hit.ron") && arguments[0] == "batch" && *name != "a folder";
             if other && !out.keys().any(|name| name.ends_with("hit/result.json")) {
@@ -292,8 +292,8 @@ fn closed_output() -> Row {
             if let Some(broke) = ran.broke() {
                 return Came::Broke(format!("{arguments}: {broke:?}"));
             }
-            // the result is written nevertheless
-            let out = files_in(&folder.path().join("out"));
+            // the requested work is done nevertheless
+            let out = files_in(&folder.file("out"));
             let all = !arguments.contains("--out out")
                 || out.keys().any(|name| name.ends_with("result.json"));
             // a closed pipe is not an error, a full disk is one

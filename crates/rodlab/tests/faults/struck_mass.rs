@@ -14,12 +14,12 @@ pub(crate) fn sheet(velocity: &str) -> String {
     )
 }
 
-/// A folder with `hit.ron` for 2 m/s, `harder.ron` for 3 m/s, and the example of the frame, whose
-/// result has other files.
-pub(crate) fn folder() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("hit.ron"), sheet("2 m/s")).unwrap();
-    fs::write(folder.path().join("harder.ron"), sheet("3 m/s")).unwrap();
+/// A folder with `hit.ron` for 2 m/s, `harder.ron` for 3 m/s and, with other files in its result,
+/// `modulus.ron` of the frame.
+pub(crate) fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("hit.ron", sheet("2 m/s"));
+    folder.write("harder.ron", sheet("3 m/s"));
     copy_example("frame", folder.path());
     folder
 }

@@ -46,10 +46,9 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     assert_eq!(numbers(&outcome, "data", "frequency").len(), 210);
     assert!(shifts.is_sorted_by(|a, b| a > b), "{shifts:?}");
 
-    // the residual is 1.5 % of |E|, mostly the error of the instrument at 100 Hz
-    let residual = quantity(&outcome, "residual of the master curve")
-        .value
-        .unwrap();
+    // 1.5 % of |E| was found; the instrument's own error at 100 Hz is the largest part
+    let residual = quantity(&outcome, "residual of the master curve");
+    let residual = residual.value.unwrap();
     println!("residual {residual} % of |E|");
     assert!(residual < 1.7, "{residual}");
 
@@ -82,7 +81,8 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     card.must_say("*VISCOELASTIC, TIME=PRONY");
 }
 
-/// The data are 22 files in ISO-8859-1 with an index as first column and a last line without data.
+/// 22 files in ISO-8859-1 with an index as first column and a last line that is none. A decade of
+/// frequency of each is joined, in an eighth of the time of all three.
 #[test]
 fn files_of_an_instrument_are_read_as_they_are() {
     let table = r#"files: ["dma/glassy-polymer/T*.txt"], frequency: "f", modulus: Parts(storage: "E'", loss: "E\""), temperature: Column("Ts")"#;

@@ -137,7 +137,14 @@ impl Sweep {
         fs::write(path, self.table(seed)).unwrap();
     }
 
-    /// Text of the table, without the last digits, which differ between processors.
+    /// A folder with `sweep.csv`.
+    pub(super) fn written(&self, seed: u64) -> Folder {
+        let folder = Folder::new();
+        self.write(&folder.file("sweep.csv"), seed);
+        folder
+    }
+
+    /// The text of [`Sweep::write`], without the last digits, which differ between processors.
     pub(super) fn table(&self, seed: u64) -> String {
         let mut rows = self.rows(seed);
         rows.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));

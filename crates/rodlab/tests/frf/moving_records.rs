@@ -3,11 +3,9 @@
 use super::*;
 use crate::runs::{Folder, Words, answered, doubts};
 
-/// Writes hits in N and in the unit of `quantity`, in records of `n` samples, with `noise` relative
-/// to the peak on the motion and a tenth of it on the force; `change` modifies the samples of a
-/// hit.
-fn write_motions(
-    folder: &Path,
+/// A folder with hits in N and the unit of `quantity`, in records of `n` samples, with `noise` relative to
+/// the peak on the motion and a tenth of that on the force; `change` modifies a hit.
+fn motions(
     quantity: Quantity,
     (count, n, noise): (u64, usize, f64),
     change: impl Fn(u64, &mut Array2<f64>),
@@ -79,24 +77,12 @@ fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
 
 #[test]
 fn s1_a_force_comes_back_from_the_velocity_of_a_free_body() {
-    let folder = Folder::new();
-    write_motions(folder.path(), Quantity::Velocity, (9, N, 1e-3), |_, _| {});
-    // the last record, of 230 N, is the one whose force is determined
-    fs::rename(
-        folder.path().join("hit_08.npy"),
-        folder.path().join("blow.npy"),
-    )
-    .unwrap();
-    let channels = r#"sampling_rate: "8192 Hz", channels: [(name: "hammer", from: 1, unit: "N"), (name: "struck end", from: 2, unit: "m/s")]"#;
-    let text = format!(
-        r#"Force(title: "blow", problem: Response(
-            path: Hits(records: (files: ["hit_*.npy"], {channels}), force: "hammer", response: "struck end"),
-            record: (files: ["blow.npy"], {channels}), response: "struck end",
-            regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation),
-            acting: (from: "48 ms", to: "53 ms")))"#
-    );
-    let outcome = run(folder.path(), &text).unwrap();
-    // the mean of a squared sine over its millisecond is half its peak
+    let folder = motions(Quantity::Velocity, (9, N, 1e-3), |_, _| {});
+    // the last of them is the blow, 230 N
+    take_as_blow(&folder, "hit_08.npy");
+    let smooth = r#", regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation), acting: (from: "48 ms", to: "53 ms")"#;
+    let outcome = run(&folder, &force("m/s", "", smooth)).unwrap();
+    // a squared sine has half its peak in the mean of its millisecond
     let (impulse, error) = quantity(&outcome, "impulse");
     // a step truncated on one side, to 0.45 s of 0.5 s, would leave out a tenth
     assert!((impulse / 0.115 - 1.0).abs() < 0.02, "{impulse} {error:?}");
@@ -104,15 +90,9 @@ fn s1_a_force_comes_back_from_the_velocity_of_a_free_body() {
 
 #[test]
 fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
-    let folder = tempfile::tempdir().unwrap();
-    // 44 ms after the hit the mode has decayed to 8 %
-    write_motions(
-        folder.path(),
-        Quantity::Acceleration,
-        (6, 768, 1e-4),
-        |_, _| {},
-    );
-    let refused = run(folder.path(), &sheet_in("m/s^2", "")).unwrap();
+    // 44 ms after the blow the mode has fallen to 8 %
+    let folder = accelerations(6, 768, 1e-4);
+    let refused = run(&folder, &sheet_in("m/s^2", "")).unwrap();
     refused.summary[0].must_say("not decayed");
     let window = r#"exponential_window: EndWeight(weight: "1 %"),"#;
     let taken = answered(run(&folder, &sheet_in("m/s^2", window)));
@@ -135,15 +115,9 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let refused = run(&folder, &force("m/s^2", "", "")).unwrap();
     refused.summary[0].must_say("record longer, or state `problem.path.exponential_window`");
 
-    let folder = tempfile::tempdir().unwrap();
-    // after 75 ms 1.4 % of the mode remain, and the mode is a fraction of the peak
-    write_motions(
-        folder.path(),
-        Quantity::Acceleration,
-        (6, 1024, 1e-4),
-        |_, _| {},
-    );
-    let stated = run(folder.path(), &sheet_in("m/s^2", "")).unwrap();
+    // 75 ms: 1.4 %, of a mode that is a fraction of the peak
+    let folder = accelerations(6, 1024, 1e-4);
+    let stated = run(&folder, &sheet_in("m/s^2", "")).unwrap();
     stated
         .warnings
         .must_say("still moves at the end of the records");
@@ -177,8 +151,8 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
         let (decay, _) = quantity(outcome, "damping added by the exponential window");
         spread(outcome, "accelerance", |f| accelerance(on_axis(f) + decay)).0
     };
-    let outcome = answered(run(folder.path(), &sheet_in("m/s^2", windows)));
-    // the mean of 8/7 F(2, 14) is 1.33; the level at rest, from 300 samples, adds some error
+    let outcome = answered(run(&folder, &sheet_in("m/s^2", windows)));
+    // 8/7 F(2, 14): 1.33, with the level at rest of 300 samples beside
     let mean = off_axis(&outcome);
     assert!(mean < 2.0, "{mean}");
     // without subtraction of the level, the effect is reported and puts the result in doubt
@@ -192,14 +166,8 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
 
 #[test]
 fn s9_windows_that_cut_the_hit_put_the_result_in_doubt() {
-    let folder = Folder::new();
-    write_motions(
-        folder.path(),
-        Quantity::Acceleration,
-        (8, N, 1e-4),
-        |_, _| {},
-    );
-    // the force window ends after a third of the hit, which lasts 1 ms from 50 ms on
+    let folder = accelerations(8, N, 1e-4);
+    // a third of the blow of 1 ms from 50 ms on
     let cut = r#"force_window: (start: "45 ms", end: "50.3 ms", taper: "0.1 ms"),"#;
     for choice in [cut, "window: Hann,"] {
         let outcome = run(&folder, &sheet_in("m/s^2", choice)).unwrap();
@@ -248,8 +216,8 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
     let rate = "decay rate of the exponential window";
     let rates = column(&outcome, "response_struck_end", rate);
     assert!(rates.iter().all(|rate| (rate - 12.5).abs() < 1e-12));
-    fs::write(folder.path().join("frf.uff"), &outcome.attachments[0].bytes).unwrap();
-    // a data set of a universal file contains the decay rate as its z-axis
+    folder.write("frf.uff", &outcome.attachments[0].bytes);
+    // a data set of a universal file has the rate as its z-axis
     let contents = format::read_bytes(&outcome.attachments[0].bytes).unwrap();
     let said = |field: &str| {
         let mut properties = contents.series[0].properties.iter();
@@ -263,17 +231,8 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
     again
         .warnings
         .must_say("12.5000 1/s from the frequency axis");
-    fs::write(
-        folder.path().join("mobility.uff"),
-        &again.attachments[0].bytes,
-    )
-    .unwrap();
-    // writes the table as CSV, without the lines at 0 Hz
-    let table = outcome
-        .tables
-        .iter()
-        .find(|t| t.name == "response_struck_end")
-        .unwrap();
+    folder.write("mobility.uff", &again.attachments[0].bytes);
+    // the table as CSV, without the lines at 0 Hz
     let lines = response(&outcome, "mobility");
     let mut text = "frequency [Hz],real part of mobility [m/(N s)],imaginary part of mobility [m/(N s)],decay rate of the exponential window [1/s]\n".to_owned();
     for (f, value) in lines {
@@ -303,16 +262,12 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
             "{file}: {impulse} {error:?}"
         );
     }
-    // the same with the path from hits; the first record is the one whose force is determined, from
-    // a velocity
-    let folder = tempfile::tempdir().unwrap();
-    write_motions(folder.path(), Quantity::Velocity, (7, N, 1e-3), |_, _| {});
-    fs::rename(folder.file("hit_00.npy"), folder.file("blow.npy")).unwrap();
-    let channels = r#"sampling_rate: "8192 Hz", channels: [(name: "hammer", from: 1, unit: "N"), (name: "struck end", from: 2, unit: "m/s")]"#;
-    let text = format!(
-        r#"Force(title: "blow", problem: Response(
-            path: Hits(records: (files: ["hit_*.npy"], {channels}), force: "hammer", response: "struck end", exponential_window: "1 %"),
-            record: (files: ["blow.npy"], {channels}), response: "struck end", compare_with: "hammer"))"#
+    // the same from the hits, the first of which is the blow, whose response is that of a velocity
+    let folder = motions(Quantity::Velocity, (7, N, 1e-3), |_, _| {});
+    take_as_blow(&folder, "hit_00.npy");
+    let (window, compared) = (
+        r#", exponential_window: "1 %""#,
+        r#", compare_with: "hammer""#,
     );
     let outcome = run(&folder, &force("m/s", window, compared)).unwrap();
     let (impulse, error) = quantity(&outcome, "impulse");

@@ -92,19 +92,13 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
     let said = properties.find(|(field, _)| field == "uff58.id3");
     assert_eq!(said.unwrap().1, "averages: 3");
 
-    // a mobility read from this file has all these data
-    fs::write(folder.path().join("frf.uff"), &attachment.bytes).unwrap();
-    let read = run(
-        folder.path(),
-        r#"Mobility(title: "read", source: File(file: "frf.uff"), support: Free(mass: "2 kg ± 1 %"), up_to: "1.2 kHz")"#,
-    )
+    // and a mobility read from it has them all
+    folder.write("frf.uff", &attachment.bytes);
+    let read = run(&folder, r#"Mobility(title: "read", source: File(file: "frf.uff"), support: Free(mass: "2 kg ± 1 %"), up_to: "1.2 kHz")"#)
     .unwrap();
-    let written = column(
-        &outcome,
-        "response_struck_end",
-        "random error of the magnitude",
-    );
-    // the first line of the band is line 10 of the mobility, which begins with 0 Hz
+    let random = "random error of the magnitude";
+    let written = column(&outcome, "response_struck_end", random);
+    // the first line of the band is the tenth of the mobility, behind 0 Hz
     let again = column(&read, "mobility", "standard error of the magnitude");
     for (there, here) in written.iter().zip(&again[10..]) {
         assert!((there / here - 1.0).abs() < 1e-9);
@@ -115,8 +109,8 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
     all_are(&common[10..], 100.0 * sensors);
 }
 
-/// A sheet with a second hammer of the stated `sensitivity`, which is right or 10 % off.
-fn second_of(sensitivity: &str) -> String {
+/// A second hammer with a sensitivity of its own, 10 % off or right.
+fn second_of(sensitivity: &str, merge: &str) -> String {
     let second = records("hard/*.npy").replace("2 mV/N ± 1 %", sensitivity);
     let rest = format!("{BAND} second_hammer: (records: {second}{merge}),");
     sheet_of("soft/*.npy", &rest)
@@ -127,8 +121,8 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
     let folder = Folder::new();
     write_hits(&folder.file("soft"), 5, 2e-3, NOISE);
     write_hits_from(50, &folder.file("hard"), 5, 0.7e-3, NOISE);
-    let outcome = answered(run(folder.path(), &second_of("2 mV/N ± 3 %")));
-    // the errors of the two pairs of sensors are averaged with the shares of the hammers
+    let outcome = answered(run(&folder, &second_of("2 mV/N ± 3 %", "")));
+    // between what the first and the second pair of sensors give, as the shares are
     let common = column(&outcome, "response_struck_end", "error that lines share");
     let shares = column(&outcome, "response_struck_end", "share of the first hammer");
     for (common, share) in common.iter().zip(shares) {
@@ -136,10 +130,9 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
             100.0 * (share * 0.01_f64.hypot(0.02) + (1.0 - share) * 0.03_f64.hypot(0.02));
         assert!((common / expected - 1.0).abs() < 1e-9);
     }
-    let outcome = run(folder.path(), &second_of("2.2 mV/N ± 1 %")).unwrap();
-    let reasons = doubts(&outcome);
-    // a force that is 10 % too small makes the response 10 % too large
-    reasons.must_say("the second hammer gives 1.10");
+    let outcome = run(&folder, &second_of("2.2 mV/N ± 1 %", "")).unwrap();
+    // a force that is read 10 % too small makes the response 10 % too large
+    doubts(&outcome).must_say("the second hammer gives 1.10");
     let common = column(&outcome, "response_struck_end", "error that lines share");
     // ln 1.1 divided by the root of 2, in addition to 2.2 % of the sensors
     assert!(
@@ -184,19 +177,10 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
 
 #[test]
 fn two_hammers_are_one_response() {
-    let folder = tempfile::tempdir().unwrap();
-    // a soft and a hard hammer: the spectrum of the first ends where that of the second begins
-    write_hits(&folder.path().join("soft"), 8, 4e-3, NOISE);
-    write_hits_from(50, &folder.path().join("hard"), 8, 0.7e-3, 10.0 * NOISE);
-    let second = |merge: &str| {
-        sheet_of(
-            "soft/*.npy",
-            &format!(
-                "{BAND} second_hammer: (records: {}, merge: {merge}),",
-                records("hard/*.npy")
-            ),
-        )
-    };
+    let folder = Folder::new();
+    // soft and hard: the first ends where the second begins
+    write_hits(&folder.file("soft"), 8, 4e-3, NOISE);
+    write_hits_from(50, &folder.file("hard"), 8, 0.7e-3, 10.0 * NOISE);
     for merge in ["InverseVariance", "LargerInput"] {
         let outcome = answered(run(
             &folder,

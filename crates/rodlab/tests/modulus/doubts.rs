@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::runs::{Folder, Refused, Words, answered, doubts, refusal};
+use crate::runs::{Refused, Words, answered, doubts, refusal};
 
 #[test]
 fn one_hit_without_a_known_silence_is_not_allowed() {
@@ -148,10 +148,9 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
 
 #[test]
 fn r10_hits_without_any_noise_are_refused() {
-    let folder = Folder::new();
-    virtual_rod::write_hits(folder.path(), 1, 7);
-    // the second hit is the first one filtered: it is not a copy, but the coherence is 1
-    let mut bytes = fs::read(folder.path().join("hits.npy")).unwrap();
+    let folder = hits(1, 7);
+    // the second hit is the first, filtered: no copy, and a coherence of 1
+    let mut bytes = folder.bytes("hits.npy");
     let begin = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let half = (bytes.len() - begin) / 2;
     for channel in 0..2 {
