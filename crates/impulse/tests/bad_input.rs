@@ -81,8 +81,8 @@ fn masses_that_contradict_the_mobility() {
 
 #[test]
 fn methods_outside_their_domain() {
-    let (nylon, steel) = (nylon_rod(0.03, 0.3), rod(0.01, 0.3));
-    let impact = Impact::between(&nylon, &steel).at_velocity(1.0);
+    let (nylon, rod_of_steel) = (nylon_rod(0.03, 0.3), rod(0.01, 0.3));
+    let impact = Impact::between(&nylon, &rod_of_steel).at_velocity(1.0);
     // eq. 7 is not known off the frequency axis
     for error in [
         impact.stick_force_damped(DURATION, 1e-6).unwrap_err(),

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::runs::{Folder, done, path_of_example, rodlab, text as text_of};
+use crate::runs::{Folder, path_of_example, rodlab, text as text_of};
 
 /// Runs the example of polypropylene after `change` of its sheet.
 fn said_of(change: impl Fn(&str) -> String) -> String {

@@ -135,7 +135,7 @@ type Draw<'a, T> = Box<dyn Fn(&mut dyn Rng) -> Result<T, ImpulseError> + 'a>;
 /// ```
 pub struct ImpactErrors<'a> {
     velocity: f64,
-    second: Option<Draw<'a, SharedBody>>,
+    bodies: [Option<Draw<'a, SharedBody>>; 2],
     law: Option<Draw<'a, ContactLaw>>,
     n_draws: usize,
     random: ChaCha8Rng,
@@ -143,10 +143,11 @@ pub struct ImpactErrors<'a> {
 
 impl fmt::Debug for ImpactErrors<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let drawn = self.bodies.each_ref().map(Option::is_some);
         formatter
             .debug_struct("ImpactErrors")
             .field("velocity", &self.velocity)
-            .field("second_drawn", &self.second.is_some())
+            .field("bodies_drawn", &drawn)
             .field("law_drawn", &self.law.is_some())
             .field("n_draws", &self.n_draws)
             .finish_non_exhaustive()
@@ -160,22 +161,31 @@ impl<'a> ImpactErrors<'a> {
     pub fn of_velocity(standard_error: f64) -> Self {
         Self {
             velocity: standard_error,
-            second: None,
+            bodies: [None, None],
             law: None,
             n_draws: DRAWS,
             random: ChaCha8Rng::seed_from_u64(1),
         }
     }
 
-    /// Sets the draws of the second body, for example by
-    /// [`MeasuredBody::drawn`](crate::MeasuredBody::drawn). Which of the two bodies is the second
-    /// has no effect on the force.
+    /// Sets the draws of the first body, for example by
+    /// [`MeasuredBody::drawn`](crate::MeasuredBody::drawn).
+    #[must_use]
+    pub fn with_first(
+        mut self,
+        draw: impl Fn(&mut dyn Rng) -> Result<SharedBody, ImpulseError> + 'a,
+    ) -> Self {
+        self.bodies[0] = Some(Box::new(draw));
+        self
+    }
+
+    /// Sets the draws of the second body.
     #[must_use]
     pub fn with_second(
         mut self,
         draw: impl Fn(&mut dyn Rng) -> Result<SharedBody, ImpulseError> + 'a,
     ) -> Self {
-        self.second = Some(Box::new(draw));
+        self.bodies[1] = Some(Box::new(draw));
         self
     }
 
@@ -204,20 +214,28 @@ impl ImpactDraws for ImpactErrors<'_> {
     type Error = ImpulseError;
 
     fn n_draws(&self) -> usize {
-        let is_exact = self.velocity.abs() <= 0.0 && self.second.is_none() && self.law.is_none();
-        if is_exact { 0 } else { self.n_draws }
+        let is_exact = self.velocity.abs() <= 0.0 && self.bodies.iter().all(Option::is_none);
+        if is_exact && self.law.is_none() {
+            0
+        } else {
+            self.n_draws
+        }
     }
 
     fn draw(&mut self, velocity: f64) -> Result<DrawnImpact, ImpulseError> {
         let error =
             check_not_negative("standard error of the impact velocity [m/s]", self.velocity)?;
+        let [first, second] = &self.bodies;
         let random = &mut self.random;
-        let second = self.second.as_ref().map(|draw| draw(random)).transpose()?;
+        let mut body = |draw: &Option<Draw<'_, SharedBody>>| {
+            draw.as_ref().map(|draw| draw(random)).transpose()
+        };
+        let bodies = [body(first)?, body(second)?];
         let law = self.law.as_ref().map(|draw| draw(random)).transpose()?;
         let standard: f64 = random.sample(StandardNormal);
         let drawn = velocity + error * standard;
         Ok(DrawnImpact {
-            bodies: [None, second],
+            bodies,
             law,
             velocity: Some(check_positive("drawn impact velocity [m/s]", drawn)?),
         })

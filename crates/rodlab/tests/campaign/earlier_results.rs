@@ -21,7 +21,11 @@ fn what_is_done_is_not_done_again_unless_something_has_changed() {
     let run = folder.rodlab("batch campaign --out results --resume");
     assert_eq!(run.status.code(), Some(1), "one test is still not allowed");
     assert_eq!(written("slow/1"), first, "a finished test was repeated");
-    assert_ne!(written("slow/2"), second, "a test with a changed sheet was not repeated");
+    assert_ne!(
+        written("slow/2"),
+        second,
+        "a test with a changed sheet was not repeated"
+    );
     let after = files_below(&folder.file("results"));
     assert!(!after.contains_key(Path::new("slow/wrong/failure.json")));
     assert!(after.contains_key(Path::new("slow/wrong/result.json")));

@@ -44,7 +44,11 @@ fn r19_results_stay_in_their_folder() {
         }
         fs::rename(here.join(&out), folder.file("done")).unwrap();
         fs::remove_dir_all(folder.file("done")).unwrap();
-        assert_eq!(files_below(folder.path()), sheets, "files were written elsewhere");
+        assert_eq!(
+            files_below(folder.path()),
+            sheets,
+            "files were written elsewhere"
+        );
     }
     // a name that is empty without its extension, and two names that are equal without it
     put("here/odd/...ron");
