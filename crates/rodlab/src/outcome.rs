@@ -81,6 +81,20 @@ impl Outcome {
         self.warnings.push(warning.into());
     }
 
+    /// Adds the acceptance of a hit, a line or a test, with remarks.
+    pub(crate) fn accept(
+        &mut self,
+        what: impl Into<String>,
+        remarks: impl IntoIterator<Item: ToString>,
+    ) {
+        let reasons = remarks.into_iter().map(|remark| remark.to_string());
+        self.log.push(LogEntry {
+            what: what.into(),
+            accepted: true,
+            reasons: reasons.collect(),
+        });
+    }
+
     /// Adds the rejection of a hit, a line or a test.
     pub(crate) fn reject(&mut self, what: impl Into<String>, reason: impl ToString) {
         self.log.push(LogEntry::rejected(what, reason));

@@ -509,11 +509,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     }
     for test in &found.tests {
         if let Some(unfiltered) = test.unfiltered_excitation() {
-            outcome.log.push(LogEntry {
-                what: format!("recorder of test `{}`", test.name()),
-                accepted: true,
-                reasons: vec![unfiltered.to_string()],
-            });
+            outcome.accept(format!("recorder of test `{}`", test.name()), [unfiltered]);
         }
     }
     for check in &found.recorders {

@@ -25,7 +25,7 @@ use super::JobContext;
 use crate::digits::significant;
 use crate::draw::NEEDS_ERRORS;
 use crate::outcome::Setting;
-use crate::outcome::{InputFile, LogEntry, Verdict};
+use crate::outcome::{InputFile, Verdict};
 use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated, quoted};
 use crate::{InStep, Outcome, RodlabError};
 
@@ -139,11 +139,8 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     let mut largest = virgin.map_or(0.0, |virgin| virgin.with_uncertainty().value);
     for (index, test) in sheet.tests.iter().enumerate() {
         let read = readings::test(sheet, test, &format!("tests[{index}]"), context)?;
-        outcome.log.push(LogEntry {
-            what: format!("{}, {} readings", test.name, read.standard_error.len()),
-            accepted: true,
-            reasons: Vec::new(),
-        });
+        let readings = read.standard_error.len();
+        outcome.accept(format!("{}, {readings} readings", test.name), [""; 0]);
         largest = largest.max(read.largest);
         outcome.inputs.extend(read.input);
         outcome.warnings.extend(read.warning);

@@ -15,7 +15,6 @@ use super::steps::Step;
 use super::table_file::TableFile;
 use crate::digits::hertz;
 use crate::draw::Draw;
-use crate::outcome::LogEntry;
 use crate::sheet::{Exact, Ratio};
 use crate::{InStep, Outcome, RodlabError};
 
@@ -302,11 +301,8 @@ pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
                     step.in_words()
                 ));
             } else if row.modulus.im < 0.0 {
-                outcome.log.push(LogEntry {
-                    what: row.place.clone(),
-                    accepted: true,
-                    reasons: vec!["loss modulus below 0 within its errors".to_owned()],
-                });
+                let remark = "loss modulus below 0 within its errors";
+                outcome.accept(row.place.as_str(), [remark]);
             }
         }
     }

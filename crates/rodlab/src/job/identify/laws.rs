@@ -12,7 +12,7 @@ use maxwellid::{
 };
 
 use super::{IdentifySheet, words};
-use crate::outcome::{LogEntry, Outcome, Quantity, finite, shown_unit};
+use crate::outcome::{Outcome, Quantity, finite, shown_unit};
 use crate::{InStep, RodlabError};
 
 /// Standing of the parameters of a law.
@@ -255,11 +255,8 @@ impl FittedLaw {
             }
         }
         let errors = self.common_errors.iter().map(ToString::to_string);
-        outcome.log.push(LogEntry {
-            what: format!("fit of the law {}", self.law.name()),
-            accepted: true,
-            reasons: std::iter::once(ended).chain(errors).collect(),
-        });
+        let remarks = std::iter::once(ended).chain(errors);
+        outcome.accept(format!("fit of the law {}", self.law.name()), remarks);
     }
 
     fn quantity(&self, estimate: &Estimate) -> Quantity {

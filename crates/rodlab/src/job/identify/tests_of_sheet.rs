@@ -12,7 +12,7 @@ use super::{IdentifySheet, SpecimenSheet};
 use crate::digits::significant;
 use crate::job::JobContext;
 use crate::job::simulate::AntiAliasSheet;
-use crate::outcome::{LogEntry, Setting};
+use crate::outcome::Setting;
 use crate::records::{Records, clipped, expect_different_files, expect_quantity};
 use crate::sheet::{
     Exact, Frequency, Length, NotFollowed, Temperature, Time, ValueWithUncertainty, Velocity,
@@ -111,11 +111,7 @@ pub(super) fn read(
     for (number, of_sheet) in sheet.tests.iter().enumerate() {
         let field = format!("tests[{number}]");
         let test = one(of_sheet, sheet, &field, context, outcome)?;
-        outcome.log.push(LogEntry {
-            what: format!("test `{}`", of_sheet.name),
-            accepted: true,
-            reasons: test.flags().iter().map(ToString::to_string).collect(),
-        });
+        outcome.accept(format!("test `{}`", of_sheet.name), test.flags());
         tests.push(test);
         context.progress.one_more();
         context.check_cancelled()?;

@@ -12,7 +12,7 @@ use super::MobilitySheet;
 use super::source::Raw;
 use crate::bodies::face::ComputedBody;
 use crate::digits::hertz;
-use crate::outcome::{LogEntry, Quantity};
+use crate::outcome::Quantity;
 use crate::responses::{cut, in_words, judged_lines, line_spacing_hz};
 use crate::{InStep, Outcome, RodlabError};
 
@@ -81,13 +81,8 @@ pub(super) fn prepare(
         for objection in objections.iter_mut().take(first_measured) {
             *objection = None;
         }
-        outcome.log.push(LogEntry {
-            what: format!("lines below {}", completion.below),
-            accepted: true,
-            reasons: vec![format!(
-                "{first_measured} lines replaced by those of the weighed mass"
-            )],
-        });
+        let remark = format!("{first_measured} lines replaced by those of the weighed mass");
+        outcome.accept(format!("lines below {}", completion.below), [remark]);
     }
     let mobility = response
         .to_kind(ResponseKind::Mobility)
