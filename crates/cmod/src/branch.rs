@@ -124,8 +124,8 @@ impl FreeEndRoot {
         }
     }
 
-    /// Solves e^x/2 = Ψ, for a ratio Ψ whose squares would overflow. The error of this
-    /// approximation is far below rounding.
+    /// Solves e^x/2 = Ψ, which replaces cosh x = Ψ for a ratio above [`HUGE`]: the squares of
+    /// larger ratios would overflow.
     fn of_huge(acceleration_ratio: Complex64) -> Self {
         let phase = acceleration_ratio.arg();
         Self {
@@ -221,7 +221,8 @@ impl Branch {
 mod tests {
     use super::*;
 
-    /// Root of a large ratio, for which cosh x = e^x/2: αL = ln 2|Ψ|, and kL is the phase of Ψ.
+    /// Checks the root for |Ψ| = 1e150: cosh x is then e^x/2, so that αL = ln 2|Ψ| and kL is the
+    /// phase of Ψ.
     #[test]
     fn a_ratio_whose_squares_overflow_has_the_root_of_the_exponential() {
         for phase in [2.5_f64, -0.5] {
@@ -247,21 +248,22 @@ mod tests {
             let b = r * phi.sin();
             let c = a.hypot(b);
             let root = FreeEndRoot::of(Complex64::from_polar(r, phi));
-            // The printed differences lose two digits here.
+            // tolerance: the differences in the printed equations lose up to two digits
             assert!((root.damping_length - (c - a).sqrt().asinh()).abs() < 1e-13);
             assert!((root.angle - (c + a).sqrt().asin()).abs() < 1e-13);
         }
     }
 
-    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine loses half of its digits; this
-    /// solution keeps them all.
+    /// Checks the solution near Ψ = 1 and near the imaginary axis, where the printed arcsine loses
+    /// half of its digits.
     #[test]
     fn closed_form_keeps_its_digits_at_the_quadrant_borders() {
         for phase in [1e-9, FRAC_PI_2 - 1e-9, FRAC_PI_2 + 1e-9] {
             let gamma_length = Complex64::new(1e-9, phase);
             let root = FreeEndRoot::of(gamma_length.cosh());
             if phase < 1.0 {
-                // cosh rounds 1 + 1e-18 to 1: the only information is that γL is small
+                // the real part of cosh γL rounds to 1, which leaves γL uncertain by the root of
+                // the rounding error
                 assert!(root.angle < 2e-8 && root.damping_length < 2e-8);
             } else {
                 assert!((root.principal_phase - phase).abs() < 1e-15);

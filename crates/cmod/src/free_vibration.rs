@@ -122,8 +122,8 @@ impl FreeVibration {
         Ok(estimate)
     }
 
-    /// Returns κ of the mode `order`: the solution of tan κ = -μκ in the quarter period below nπ,
-    /// by Newton's iteration.
+    /// Returns κ of the mode `order`: the solution of tan κ = -μκ between (n - ½)π and nπ, by
+    /// Newton's iteration.
     fn phase(&self, order: u32) -> f64 {
         let free = f64::from(order) * PI;
         let mass = self.rod.length_of_end_mass() / self.length;

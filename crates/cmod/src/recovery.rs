@@ -41,9 +41,10 @@
 //! modulus of the virgin material. See [`fit`].
 //!
 //! # Validity
-//! The model is qualitative: the value E₂ = 13100 Pa of the paper implies strains of hundreds,
-//! which no rod reached, and the predicted change of |E| is far below the measured change. The
-//! paper states both. The model describes only the loss factor at one frequency.
+//! The model is qualitative: the value E₂ = 13100 Pa of the paper implies strains of hundreds and
+//! more, that is, tens of thousands of per cent, which no rod reached, and the predicted change of
+//! |E| is far below the measured change. The paper states both. The model describes only the loss
+//! factor at one frequency.
 //!
 //! Theory: `docs/theory/creep-recovery.md`.
 

@@ -35,8 +35,8 @@ const DISPERSION: f64 = 0.05;
 const MOST_SPREAD: f64 = 0.5;
 /// Number of lines at which courses begin: more than one, because one may be an outlier.
 const BEGINNINGS: usize = 3;
-/// Ratio of the frequencies of successive lines that are tried until the first line at which
-/// courses begin is found.
+/// Minimum ratio of the frequencies of successive lines that are tried in the search for the first
+/// line at which courses begin.
 const SEARCH_RATIO: f64 = 1.02;
 /// Log weight, relative to the best course, below which a course is dropped.
 const NEGLIGIBLE: f64 = -23.0;

@@ -433,14 +433,14 @@ mod tests {
         }
     }
 
-    /// An iteration that starts nearer to a root than to the neighbouring root finds the nearer
-    /// one.
+    /// Checks that an iteration that starts nearer to one root than to any other root finds that
+    /// root.
     #[test]
     fn the_nearest_root_is_found() {
         for (name, observation) in OBSERVATIONS {
             for x in phases() {
                 let [observed, slope, curvature] = observation.expand(x);
-                // a quarter of the distance to the point where two roots meet
+                // a quarter of the distance to the point where two roots meet, at most 0.25 rad
                 let way = 0.25 * (slope / curvature).norm().min(1.0);
                 for direction in 0..8 {
                     let expected = x + Complex64::from_polar(way, 0.8 * f64::from(direction));

@@ -314,7 +314,8 @@ impl Phase {
 fn cut_below_zero(mean: f64, spread: f64) -> (f64, f64) {
     let a = -mean / spread;
     let tail = 0.5 * erfc(a * FRAC_1_SQRT_2);
-    // where the tail underflows, Mills' ratio is computed by its asymptotic expansion
+    // beyond eight standard errors Mills' ratio is computed by its asymptotic expansion; farther
+    // out the tail underflows
     let hazard = if a > 8.0 {
         a + 1.0 / a
     } else {

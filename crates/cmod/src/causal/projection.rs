@@ -14,8 +14,8 @@ const TIMES_A_DECADE: f64 = 64.0;
 /// Decades of the grid beyond the band: at this distance a branch equals a spring or a dashpot to
 /// 1e-4.
 const DECADES_BEYOND: f64 = 2.0;
-/// Limit below which a predicted decrease of the sum of squares does not justify one more branch,
-/// as a fraction of the sum of squares per value, or of 1 if the sum per value is less than 1.
+/// Predicted decrease of the sum of squares up to which no further branch is added, as a fraction
+/// of the sum of squares per value, or of 1 if the sum per value exceeds 1.
 const TOLERANCE: f64 = 1e-10;
 
 /// Value of a line, with its independent error.
@@ -61,9 +61,9 @@ pub(super) struct Whitened<'a> {
 
 impl<'a> Whitened<'a> {
     /// Creates whitened `values`. Each `common` vector \[Pa\] contains the errors of all values if
-    /// one source is wrong by one standard uncertainty. Each of the `readings` consists of the
-    /// factors of a sum of the sizes of these errors, and the value of this sum, which has an error
-    /// of variance 1.
+    /// one source is wrong by one standard uncertainty. Each of the `readings` is a measured
+    /// weighted sum of the sizes of these errors: the weights, and the value of the sum, whose
+    /// error has variance 1.
     pub(super) fn new(
         values: &'a [Value],
         common: &[Vec<Complex64>],

@@ -140,8 +140,8 @@ pub fn kramers_kronig_on(
     // The residual of the optimum lies between its lower bound and the residual that was found. The
     // check fails only if even the lower bound is too large.
     let all_lines = p_of(nearest.residual_lower_bound);
-    // This is the decrease of the weighted squares; since u is concave, Σu decreases at least as
-    // much.
+    // the decrease is that of the weighted squares, and Σu decreases by at least as much, because u
+    // is concave
     let loss_alone = nearest
         .loss_error
         .map_or(1.0, |error| chi_square_tail(error.decrease / spread, 1.0));

@@ -430,7 +430,8 @@ impl Spectrum {
         };
         let omega = TAU * peak as f64 * self.step_hz;
         let start = |decay: f64| (Complex64::new(-decay, omega) * self.sample).exp();
-        // starting values of the decay rate, from much less than one decay per record to much more
+        // starting values of the decay rate, from 0.2 to 200 times the inverse of the length of the
+        // record
         let per_record = TAU * self.step_hz;
         let fits = [0.03, 0.3, 1.0, 3.0, 10.0, 30.0]
             .into_iter()

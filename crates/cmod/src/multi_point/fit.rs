@@ -14,7 +14,8 @@ pub struct MultiPointEstimate {
     pub(super) modulus: ModulusEstimate,
     pub(super) fits: Vec<LineFit>,
     pub(super) waves: Vec<Vec<TestWaves>>,
-    /// Position of the first gauge, and its distance from the last row \[m\].
+    /// Position of the first gauge \[m\], and its distance from the last gauge or the free end
+    /// \[m\].
     pub(super) first: f64,
     pub(super) aperture: f64,
     pub(super) quantity: Quantity,

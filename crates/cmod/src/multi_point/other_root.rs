@@ -3,13 +3,13 @@
 //! With two gauges and a free end, or with three gauges, γ of a line is a root of g(γ) = Ψ, where Ψ
 //! is a ratio of measured values. Near g' = 0 there are two roots near each other: the minima of
 //! the misfit V at both are equal, and the iteration may converge to either of them. Only the
-//! neighbouring lines can distinguish the roots, because γ/ω is a smooth function of frequency. Its
-//! course near a line is a parabola, fitted to the lines within a quarter wave on either side; it
-//! gives the γ to be expected on the line.
+//! neighbouring lines can distinguish the roots, because γ/ω is a smooth function of frequency. The
+//! *course* near a line is a parabola for γ/ω, fitted to the lines within a quarter wave on either
+//! side; its value at the line is the expected γ/ω.
 //!
 //! The farther apart the roots of a line are, the more reliable is the choice. The lines are
-//! therefore decided in the order of this distance, and every decided line contributes to the
-//! course at the lines that follow.
+//! therefore decided in the order of decreasing distance, and every decided line contributes to the
+//! courses at the lines that are decided after it.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -49,7 +49,7 @@ impl Root {
     }
 }
 
-/// Line whose root was found, for the choice of its root.
+/// Line with the root that the iteration found and the other root, if there is one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineOnCourse {
     /// ω, or ω - iσ if damping was added.
@@ -312,7 +312,8 @@ mod tests {
         assert!((doubtful.omega.re - 15e3).abs() < 1.0);
     }
 
-    /// Four lines do not determine a course with its scatter: the line keeps its root.
+    /// A parabola and the scatter about it cannot be determined from four lines, so the line keeps
+    /// its root.
     #[test]
     fn few_neighbours_decide_nothing() {
         let lines = lines(Complex64::new(0.3, 0.2), true);

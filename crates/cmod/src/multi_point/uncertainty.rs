@@ -90,7 +90,8 @@ pub(super) struct GaugeInfluence {
     pub(super) end_length: Complex64,
 }
 
-/// Expected value of what belongs to a free end, without one.
+/// Required value of the mass on a free end, and of the uncertainties of the free end, if no free
+/// end is used.
 pub(super) const NO_FREE_END: &str = "0: no free end is used";
 
 impl GaugeUncertainty {

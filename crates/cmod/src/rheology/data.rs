@@ -496,8 +496,8 @@ impl ModulusData {
     }
 }
 
-/// Adds the `shift` of one of `lines` lines to the error of its `source`, which is initially 0 on
-/// all lines.
+/// Adds the `shift` of the line `index` to the error of `source`, which is created with 0 on all
+/// `lines` lines if it is not in the list.
 fn add_shift(
     common: &mut Vec<CommonError>,
     source: ErrorSource,

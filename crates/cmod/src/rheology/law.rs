@@ -21,8 +21,9 @@ use crate::error::{CmodError, check_positive};
 
 /// Defines [`Law`] and [`FittedLaw`] with their functions that have one arm per law. Each row is a
 /// law of `rodwave`: its documentation, its variant, which has the name of its type, and its
-/// displayed name. The coordinates and starting points for its fit are in its [`ClosedLaw`]. The
-/// count includes the last two laws, which have no row.
+/// displayed name. The coordinates and starting points for its fit are in its [`ClosedLaw`].
+/// `$count` is the number of all laws, including the generalised Maxwell model and the power laws,
+/// which have no row.
 macro_rules! laws {
     ($count:literal laws: $($(#[$doc:meta])+ $kind:ident $name:literal;)+) => {
         /// Law that can be fitted.

@@ -283,7 +283,7 @@ impl MasterCurve {
                 };
             }
         }
-        // data with the shifts of the result
+        // the data at the frequencies shifted by the fitted shifts
         let shifted = ModulusData {
             omega: placed.omega.clone(),
             ..shifted

@@ -48,18 +48,20 @@ pub struct MeasuredLaw {
 /// Smallest factor by which a modulus or a viscosity is multiplied.
 const LEAST_FACTOR: f64 = 1e-3;
 
-/// Lengths to which the change of the parameters due to a common error is limited. The first length
-/// that reproduces enough of the effect of the error is used. A law is nearly linear over the first
-/// length. For example, for a series with weakly determined branches, from lines with an error of
-/// 0.03 % and a lateral inertia of 0.2 %, the second length doubles the error of the impact force.
-/// The shifts of a master curve need longer changes.
+/// Lengths, on the scales of the parameters, that are tried in turn as the limit of the change of
+/// the parameters due to a common error; the first that reproduces enough of the effect of the
+/// error ([`Held::is_enough`]) is used. A law is nearly linear over the first length, but not
+/// always over the second: for a series with weakly determined branches, fitted to lines with an
+/// error of 0.03 % and a lateral inertia of 0.2 %, the second length doubles the error of a
+/// computed impact force. The shifts of a master curve need the third length.
 const REACHES: [f64; 3] = [0.3, 1.0, 3.0];
 
 /// Largest fraction of the effect of a common error that a change of the parameters may fail to
 /// reproduce.
 const MOST_LOST: f64 = 0.5;
 
-/// Effect that is always allowed to be missing: one standard error of all data together.
+/// Part of the effect of a common error that a change may always fail to reproduce, in standard
+/// errors of all data together.
 const LEAST_LOST: f64 = 1.0;
 
 /// Change of the parameters along the axes of their errors that reproduces the effect of a common
@@ -129,16 +131,18 @@ impl Held {
 impl MeasuredLaw {
     /// Creates the law of `fit` with the axes of its random errors and its common errors.
     ///
-    /// An axis that the data determine poorly is limited by a prior, whose standard deviation is a
-    /// factor e of the parameters. With a signal-to-noise ratio s, the axis has the length 1/√(1 +
-    /// s²) instead of 1/s; the length is 1 if the data do not determine the axis at all. A common
-    /// error is represented by the smallest change of the parameters that reproduces enough of its
-    /// effect on the data.
+    /// An axis that the data determine poorly is limited by a prior, whose standard deviation is 1
+    /// on the scales of the parameters: for a logarithm, a factor of e. If s is the signal-to-noise
+    /// ratio of the axis, the standard uncertainty along the axis is 1/√(1 + s²) instead of 1/s; it
+    /// is 1 if the data do not determine the axis at all. A common error is represented by a short
+    /// change of the parameters that reproduces at least half of the effect of the error on the
+    /// data, or all but one standard error of all data together.
     ///
     /// # Errors
     ///
-    /// [`CmodError::CardUndetermined`] if more than half of the effect of a common error is not
-    /// reproduced by such a change.
+    /// [`CmodError::CardUndetermined`] if a change of length 3 on the scales of the parameters
+    /// fails to reproduce more than half of the effect of a common error, and more than one
+    /// standard error of all data together.
     pub fn of(fit: &RheologicalFit) -> Result<Self, CmodError> {
         let size = fit.variance_factor.sqrt();
         let signals: Vec<f64> = fit.signal_to_noise.iter().map(|s| s / size).collect();
@@ -356,8 +360,9 @@ mod tests {
     }
 
     /// Fits a polymer with branches over four decades, measured over one and a half decades to 0.1
-    /// %, with an error that rises as the square of the frequency. Changes of the branches and of
-    /// the spring compensate each other.
+    /// %, with two common errors: one of the density, and one of the diameter that rises as the
+    /// square of the frequency. The branches are weakly determined, because changes of the branches
+    /// and of the spring compensate each other.
     #[test]
     fn a_series_with_weakly_determined_branches_is_followed() {
         let branches = (2..6).map(|k| MaxwellBranch {
@@ -409,14 +414,14 @@ mod tests {
                 "density" => points.iter().map(|_| Complex64::from(5e-3)).collect(),
                 "diameter" => points.iter().map(|p| of_inertia(p) / p.modulus).collect(),
                 _ => {
-                    // the effect of noise stays within the errors of the lines
+                    // tolerance: below the error of a line, 1e-3
                     assert!(rms(&odd) < 3e-4 && rms(&even) < 1e-4, "{}", error.source);
                     continue;
                 }
             };
             let off: Vec<Complex64> = odd.iter().zip(&wanted).map(|(o, w)| o - w).collect();
-            // this error is a rise of the storage modulus without a loss, half of which no relaxing
-            // law can reproduce
+            // tolerance: a relaxing law reproduces only about half of the error of the diameter, a
+            // relative change that rises with frequency without a change of the loss factor
             assert!(
                 rms(&off) < 0.6 * rms(&wanted) && rms(&even) < 0.25 * rms(&wanted),
                 "{}: {:e} and {:e} of {:e}",

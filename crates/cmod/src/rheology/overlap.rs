@@ -20,8 +20,9 @@ const CHANCE: f64 = 6.0;
 /// Mean square of a point, which has two values, relative to the covariances of both curves, if the
 /// curves differ by noise only.
 const OF_NOISE: f64 = 2.0;
-/// Accepted excess over [`OF_NOISE`]: `UNDERSTATED` allows for stated errors that are half of the
-/// true errors. `MOST_EXCESS` is a fraction for one point, and is divided by √m for m points.
+/// Accepted excess over [`OF_NOISE`]. `UNDERSTATED` allows for true errors up to 1.6 times the
+/// stated errors; `MOST_EXCESS` divided by √m, as a fraction of [`OF_NOISE`], allows for the
+/// scatter of a mean over m points.
 const UNDERSTATED: f64 = 3.0;
 const MOST_EXCESS: f64 = 4.0;
 

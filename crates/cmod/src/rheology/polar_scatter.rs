@@ -142,7 +142,7 @@ mod tests {
         let (weights, fits) = fitted(&[(0.04, 0.01), (0.044, 0.01)]);
         assert_eq!(fits, 2);
         assert!((weights.magnitude - 0.02).abs() < 1e-15 && (weights.phase - 0.005).abs() < 1e-15);
-        // a ratio beyond 10 counts as 10, and the fits end even if the ratio never settles
+        // a ratio beyond 10 counts as 10, and the fits end even if the ratio does not converge
         let (weights, fits) = fitted(&[(1.0, 1e-9), (1e-9, 1.0), (1.0, 0.0), (0.0, 1.0)]);
         assert_eq!(fits, 4);
         assert!((weights.magnitude / weights.phase - 10.0).abs() < 1e-12);

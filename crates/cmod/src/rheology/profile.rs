@@ -4,8 +4,8 @@ use super::data::ModulusData;
 use super::least_squares::{Effort, Minimum, minimise};
 use super::model::Model;
 
-/// Range over which a parameter is followed on its scale, which is a factor of 1e21 for a
-/// logarithm. Beyond this range no law of this module depends on the parameter.
+/// Distance on its scale over which a parameter is varied; for a logarithm it is a factor of 1e21.
+/// Beyond this range no law of this module depends on the parameter.
 const RANGE: f64 = 50.0;
 /// Distances beyond an end at which χ² is evaluated again: after a rise, χ² may fall to a plateau
 /// below the threshold.

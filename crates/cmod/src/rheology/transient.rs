@@ -300,9 +300,9 @@ mod tests {
                     let relaxation = |t: f64| law.relaxation_modulus(t).unwrap();
                     let exact = mean_over_ramp(time, ramp, relaxation);
                     let found = response(law.as_ref(), time, Reading::Relaxation { ramp });
-                    // the difference of two ramps loses a factor of four at most; the end of a long
-                    // ramp is where the law is steep, and the rule for the mean then has an error
-                    // of some 1e-11
+                    // tolerance: subtracting two ramps amplifies the error by a factor of four at
+                    // most; a long ramp ends where the law is steep, and the rule for the mean then
+                    // has an error of some 1e-11
                     let scale = exact.abs() + law.at(1.0 / time).norm();
                     assert!(
                         (found - exact).abs() < 1e-10 * scale,

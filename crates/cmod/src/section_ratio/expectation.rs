@@ -26,7 +26,8 @@ pub(super) struct Expectation {
     /// Known delay [s], in which no waves need to be counted.
     delay: f64,
     last_omega: f64,
-    /// Weighted means of ln ω and γ/ω, and the sums about these means.
+    /// Sum of the weights, weighted means of ln ω and γ/ω, and weighted sums of squares and
+    /// products about these means.
     weight: f64,
     abscissa: f64,
     slowness: Complex64,

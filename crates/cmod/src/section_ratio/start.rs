@@ -40,13 +40,14 @@ pub(super) fn wave_speed(
     let step_hz = median_step(measured);
     let (slowest, fastest) = match (guess, settings.delay) {
         (Some(speed), _) => about(speed),
-        // a known delay is equivalent to a guess of the speed within half a turn per line to either
-        // side
+        // with a known delay, the travel time may differ from the delay by half a turn of the phase
+        // per line, at most by a third of the delay
         (None, Some(delay)) => {
             let unknown = (0.5 / step_hz).min(delay / 3.0);
             (distance / (delay + unknown), distance / (delay - unknown))
         }
-        // below this speed, two speeds have the same ratios on equidistant lines
+        // at a lower speed the phase advances by more than half a turn per line, and equidistant
+        // lines give the same ratios for a higher speed
         (None, None) => (SLOWEST_WAVE.max(2.0 * step_hz * distance), FASTEST_WAVE),
     };
     let mut misfits = Vec::with_capacity(LINES);

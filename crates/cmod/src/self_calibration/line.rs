@@ -57,8 +57,8 @@ impl Misfit {
     }
 
     /// Returns the same information on `n` sources, the measured sources first, as readings with
-    /// errors of variance 1. Each reading consists of the factors of a sum of the sizes, and the
-    /// value of this sum.
+    /// errors of variance 1. Each reading is a weighted sum of the sizes: the weights, and the
+    /// value of the sum.
     pub(crate) fn readings(&self, n: usize) -> Vec<(Vec<f64>, f64)> {
         // Cholesky factors by rows; a source that depends on earlier sources has no pivot
         let measured = self.gradient.len();

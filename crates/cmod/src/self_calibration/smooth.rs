@@ -144,8 +144,8 @@ struct SmoothModulus {
 }
 
 impl SmoothModulus {
-    /// Creates the functions with terms up to `largest` \[Pa\] at increasing `places` s; `None`
-    /// without places.
+    /// Creates the functions for the band of `places`, values of s in order of increasing
+    /// frequency. No term exceeds `largest` \[Pa\] in the band. Returns `None` without places.
     fn on(places: &[Complex64], largest: f64) -> Option<Self> {
         let lowest = places.first()?.im;
         let highest = places.last()?.im;

@@ -8,9 +8,10 @@ pub const GREATEST_STORAGE_MODULUS_ERROR: f64 = 0.01;
 /// Default of [`AcceptanceLimits::loss_factor`]: 5 % of the loss factor.
 pub const GREATEST_LOSS_FACTOR_ERROR: f64 = 0.05;
 
-/// Number of standard errors that must lie within the accepted error of E' and of the loss factor.
-/// With five, one in 1.7 million lines whose error is exactly at the limit exceeds the limit, which
-/// in practice is no line of a record.
+/// Number of standard errors that must be within the accepted error of E' and of the loss factor.
+/// If five standard errors of a line are equal to the accepted error, its error is beyond the
+/// accepted error with a probability of 1 in 1.7 million, which in practice does not occur in a
+/// record.
 pub const STANDARD_ERRORS_WITHIN: f64 = 5.0;
 
 /// Default of [`AcceptanceLimits::error_amplification`]. No calibration of a pair of sensors

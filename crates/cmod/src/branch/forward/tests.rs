@@ -48,8 +48,8 @@ fn an_impossible_course_stands_lower() {
     assert!((at(-0.2, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(5.4, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(0.3, 5.0, -2e-4) + 3.5).abs() < 1e-9);
-    // the costs of all three quantities are added; a quantity very far below 0 costs as much as
-    // eight standard errors
+    // the costs of the three quantities are added; the cost of one quantity is limited to that of
+    // eight standard errors below 0
     assert!((at(-0.2, -0.6, -2e-4) + 1.5 + 6.0).abs() < 1e-9);
     assert!((at(-7.0, 5.0, 1e-3) + 1.5 + 32.0).abs() < 1e-9);
 }
@@ -250,8 +250,8 @@ fn courses_begin_at_every_root_with_a_speed_that_is_possible() {
         ..anchors
     };
     assert_eq!(begun(&slower, f64::INFINITY).len(), 2);
-    // Extrapolated back over an octave: k decreases by causality, and the slope is that of a
-    // constant loss factor.
+    // The course is extrapolated down one octave, to the first line: k/ω increases as causality
+    // requires, and the slope is that of a constant loss factor.
     let course = begun(&anchors, f64::INFINITY)
         .into_iter()
         .min_by(|a, b| a.state.gamma.im.total_cmp(&b.state.gamma.im))

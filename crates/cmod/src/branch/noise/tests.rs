@@ -100,7 +100,7 @@ fn lines_of_different_records_are_no_neighbours() {
     assert!(apart.factor.total_cmp(&1.0).is_eq());
     let together = NoiseLevel::of(&lines, &places(&[0; 12]), true);
     assert!(together.factor > 1e3);
-    // a missing line is skipped: the lines on either side of it become neighbours
+    // missing lines are not used: if all lines are missing, the level remains 1
     let mut gap = zigzag(9, 1.8e-3, 1e-6);
     for line in &mut gap {
         line.missing = true;
@@ -133,8 +133,8 @@ fn a_level_multiplies_variances_down_to_the_least() {
 
 #[test]
 fn a_level_is_adjusted_beyond_four_standard_errors_of_the_misfit() {
-    // for 10000 lines the median has a standard error of 0.0144, and four standard errors are
-    // 0.058: at first the limit of 1.3 is the higher one
+    // for 10000 lines the median has a standard error of 0.0144; four standard errors are 0.058, so
+    // the initial limit of 1.3 is the larger one and applies
     let many = 10_000;
     let mut high = level(true, 1.0);
     assert!(!high.adjust((many, 1.29)));
@@ -142,7 +142,7 @@ fn a_level_is_adjusted_beyond_four_standard_errors_of_the_misfit() {
     // after the first adjustment the limit is 1.1
     assert!(!high.adjust((many, 1.09)));
     assert!(high.adjust((many, 1.11)) && relative(high.factor, 1.31 * 1.11) < 1e-12);
-    // the level is lowered again, but not below the stated noise
+    // a small misfit lowers the level, but not below the stated noise
     assert!(!high.adjust((many, 0.95)));
     assert!(high.adjust((many, 0.1)) && high.factor.total_cmp(&1.0).is_eq());
     assert!(!high.adjust((many, 0.1)));
@@ -152,7 +152,7 @@ fn a_level_is_adjusted_beyond_four_standard_errors_of_the_misfit() {
     assert!(!free.adjust((few, 1.57)) && !free.adjust((few, 0.43)));
     assert!(free.adjust((few, 0.42)) && relative(free.factor, 0.84) < 1e-12);
     assert!(free.adjust((few, 1.58)));
-    // 1/1.3 is the lower limit for many lines
+    // for many lines the level is lowered if the misfit is below 1/1.3
     let mut free = level(false, 0.5);
     assert!(!free.adjust((many, 0.78)));
     assert!(free.adjust((many, 0.76)) && relative(free.factor, 0.38) < 1e-12);

@@ -45,8 +45,8 @@ fn normal_distribution(x: f64) -> f64 {
     sum / (2.0 * PI).sqrt()
 }
 
-/// Computes the moments of a normal variable on its positive half, by Simpson's rule over the
-/// relevant twelve standard errors.
+/// Computes the mean and the variance of a normal variable under the condition that it is positive,
+/// by Simpson's rule over the range in which its density is significant.
 fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
     let from = 0.0_f64.max(mean - 12.0 * spread);
     let to = (mean + 12.0 * spread).max(3.0 * spread * spread / -mean.min(-spread));
@@ -72,15 +72,16 @@ fn a_damping_that_cannot_be_negative_has_the_moments_of_what_is_left() {
     ] {
         let (found, variance) = cut_below_zero(mean, spread);
         let (expected, expected_variance) = positive_half(mean, spread);
-        // Simpson's rule with 800 points per standard error; the variance keeps three digits at
-        // three standard errors below 0
+        // tolerance: error of Simpson's rule with more than a thousand points per standard error;
+        // the variance also loses digits by cancellation
         assert!(
             relative(found, expected) < 1e-8,
             "{mean} {spread}: {found} {expected}"
         );
         assert!(relative(variance, expected_variance) < 1e-6);
     }
-    // this is computed by the asymptotic expansion, whose next term is 2/a³
+    // ten standard errors below 0 the asymptotic expansion is used; tolerance: its next term, 2/a³
+    // with a = 10, is 2 % of 1/a
     let (found, variance) = cut_below_zero(-1.0, 0.1);
     assert!(relative(found, 0.1 / 10.0) < 0.05, "{found}");
     assert!((0.0..0.01).contains(&variance));
@@ -102,7 +103,7 @@ fn the_spread_of_a_phase_is_half_the_variance_by_the_length() {
         (phase.mean.re - mean).abs() < 1e-8 && relative(phase.damping_variance, variance) < 1e-6
     );
     assert!((phase.mean.im - 3.5).abs() < 1e-15);
-    // case of γ without error
+    // γ without error
     let phase = Phase::of(&smoothed_at(gamma(0.0, 1.0), 0.0), 1.0);
     assert!(phase.mean.re.abs() < 1e-300 && phase.damping_variance.abs() < 1e-300);
 }
@@ -209,7 +210,8 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     assert!(short.iter().all(|m| m.is_finite()) && short[20] > ERRATIC);
     let long = local_misfit(&chi_square, &smoothed(0.5), &lines);
     let lost = long.iter().position(|m| m.is_infinite()).unwrap();
-    // the backward mean is above the limit from the first line on, 15 lines before the stretch
+    // the mean over the following lines exceeds the limit already at the first line, 15 lines
+    // before the erratic stretch
     let began = short.iter().position(|m| *m > ERRATIC).unwrap();
     assert_eq!(lost, began + 7, "7 steps of 0.5 rad are the first above π");
     assert!(long[lost..].iter().all(|m| m.is_infinite()));

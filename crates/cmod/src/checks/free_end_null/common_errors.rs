@@ -15,7 +15,7 @@ enum Property {
     Delay(usize),
     /// Position of the free end, which changes all distances.
     FreeEnd,
-    /// Length of rod with the mass of the end mass.
+    /// Length of rod that has the same mass as the end mass.
     EndLength,
 }
 
@@ -94,7 +94,7 @@ impl CommonErrors {
         (1.0 + gain) * (-Complex64::I * omega * delay).exp()
     }
 
-    /// Returns the length of rod with the mass of the end mass, with its error \[m\].
+    /// Returns the length of rod that has the same mass as the end mass, with its error \[m\].
     pub(super) fn end_length(&self, stated: f64) -> f64 {
         stated + self.sum(|property| matches!(property, Property::EndLength))
     }

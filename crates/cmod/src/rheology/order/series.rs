@@ -9,8 +9,8 @@ use super::super::prony::{Prony, branches_at, share_of};
 
 /// Relaxation times per decade of the grid.
 const TIMES_A_DECADE: f64 = 6.0;
-/// Decades of the grid beyond the band: further away, the flank of a relaxation within the band is
-/// a straight line whatever its distance.
+/// Decades of the grid beyond the band. The part of a relaxation that lies within the band has the
+/// same shape for all relaxation times farther away.
 const DECADES_BEYOND: f64 = 1.5;
 
 /// Equilibrium modulus E∞ and branches in order of increasing relaxation time.
