@@ -445,7 +445,7 @@ mod tests {
                 for direction in 0..8 {
                     let expected = x + Complex64::from_polar(way, 0.8 * f64::from(direction));
                     let [nearest, other] = observation.nearest_roots(observed, expected).unwrap();
-                    // rounding of 1e-14 divided by a slope of at least 0.05
+                    // tolerance: rounding of 1e-14 divided by a slope of at least 0.05
                     assert!((nearest - x).norm() < 1e-11, "{name} {x}: {nearest}");
                     assert!((other - expected).norm() > way, "{name} {x}: {other}");
                 }
@@ -476,7 +476,8 @@ mod tests {
                 } else {
                     (reflected, x)
                 };
-                // the other root is accurate only to the third order of their distance
+                // tolerance: the other root is accurate only to the third order of the distance
+                // between the two roots
                 assert!(
                     (nearest - here).norm() < 3e-4,
                     "{mass_ratio}: {nearest} {here}"

@@ -165,8 +165,8 @@ mod tests {
         (1..=count).map(|j| step_hz * f64::from(j)).collect()
     }
 
-    /// 40 half waves of a nearly elastic rod: φ jumps by almost π at every quarter wave; kL does
-    /// not.
+    /// 40 half waves of a nearly elastic rod: φ jumps by almost π at every zero of cos kL, but kL
+    /// is continuous.
     #[test]
     fn branch_is_followed_at_losses_near_zero_and_in_none_at_all() {
         for loss in [0.0, 1e-6, 1e-2] {
@@ -177,7 +177,8 @@ mod tests {
                 .iter()
                 .zip(resolve(&frequency_hz, &ratio).unwrap())
             {
-                // At kL = nπ - 1e-5 without losses half of the digits of γL are lost in Ψ.
+                // tolerance: at kL = nπ - 1e-5 without losses, half of the digits of γL are lost in
+                // Ψ
                 assert!(
                     (root.gamma_length - exact(*f)).norm() < 1e-7,
                     "{f} Hz, loss {loss}: {root:?}"

@@ -437,7 +437,7 @@ mod tests {
     }
 
     /// Five gauges are each 0.3 to 0.6 mm from their stated positions, with errors of the
-    /// sensitivity of 0.5 to 1 %. The check fails if positions and sensitivities are stated as
+    /// sensitivity of 0.5 to 0.9 %. The check fails if positions and sensitivities are stated as
     /// exact. It passes with stated uncertainties of 0.5 mm and 1 %, but fails in spite of them if
     /// one of the gauges is another 8 mm away.
     #[test]

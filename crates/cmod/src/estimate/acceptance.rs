@@ -176,8 +176,8 @@ mod tests {
     fn five_standard_errors_of_a_known_variance_are_more_of_an_estimated_one() {
         let known = Acceptance::new(AcceptanceLimits::default(), None).unwrap();
         assert!((coverage_factor(PROBABILITY_WITHIN, None).unwrap() - known.factor).abs() < 1e-6);
-        // Student's distribution with 18 degrees of freedom: the tail, from its series, is 2.87e-7
-        // at 7.59
+        // Student's distribution with 18 degrees of freedom has a one-sided tail of 2.87e-7 at
+        // 7.59, according to the series of the tail
         let ten_averages = Acceptance::new(AcceptanceLimits::default(), Some(18.0)).unwrap();
         assert!(
             (ten_averages.factor - 7.6).abs() < 0.1,

@@ -312,8 +312,8 @@ mod tests {
         assert!((doubtful.omega.re - 15e3).abs() < 1.0);
     }
 
-    /// A parabola and the scatter about it cannot be determined from four lines, so the line keeps
-    /// its root.
+    /// If every line has two roots, there are no decided lines to which a parabola could be fitted,
+    /// and no line is changed.
     #[test]
     fn few_neighbours_decide_nothing() {
         let lines = lines(Complex64::new(0.3, 0.2), true);

@@ -202,8 +202,8 @@ mod tests {
                 .value)
                 / (2.0 * h);
             let found = at(pair);
-            // errors of the central difference: h² = 1e-10 and rounding of 1e-16/h = 1e-11,
-            // relative to the stress
+            // tolerance: the central difference has errors of h² = 1e-10 times the third
+            // derivative, and of 1e-16/h = 1e-11 due to rounding
             assert!((found.by_log_rate - by_log_rate).abs() < 1e-8 * 32e6);
             assert!((found.by_exponent - by_exponent).abs() < 1e-8 * 32e6);
         }

@@ -199,8 +199,8 @@ mod tests {
             for line in 0..omega.len() {
                 let difference = (8.0 * odd(h, line) - odd(2.0 * h, line)) / (12.0 * h);
                 let error = (difference - gradient[line * p + j]).norm();
-                // the truncation error is h⁴/30 = 3e-18 times the fifth derivative, (2 ln ω)⁵ = 6e6
-                // for a power law; the rounding error of e^21 is 4e-15/h
+                // tolerance: the truncation error is h⁴/30 = 3e-18 times the fifth derivative, (2
+                // ln ω)⁵ = 6e6 for a power law; the rounding error of e^21 is 4e-15/h
                 assert!(
                     error < 3e-10 * modulus[line].norm(),
                     "{} at {}: {difference} {}",

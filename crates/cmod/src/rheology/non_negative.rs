@@ -248,8 +248,8 @@ mod tests {
         let enough = 1e-2 * (optimum.square / 20.0).sqrt();
         for (column, amount) in columns.iter().zip(&optimum.coefficients) {
             let gradient = dot(column, &rest) / dot(column, column).sqrt();
-            // the tolerance that ends the search; for passive columns, the rounding error at a
-            // condition number of 1e6
+            // tolerances: the limit that ends the search, and, for columns with a coefficient above
+            // 0, the rounding error at a condition number of 1e6
             assert!(gradient < 1.01 * enough, "{gradient:e}");
             assert!(*amount == 0.0 || gradient.abs() < 1e-10, "{gradient:e}");
         }

@@ -273,7 +273,7 @@ mod tests {
                 let time = 10f64.powi(decade);
                 let exact = law.relaxation_modulus(time).unwrap();
                 let found = response(law.as_ref(), time, Reading::Relaxation { ramp: 0.0 });
-                // the error is 3.9^-24 = 7e-15 and rounding, relative to the modulus before
+                // tolerance: 3.9^-24 = 7e-15 and rounding, relative to the modulus before
                 // relaxation
                 let scale = law.at(1.0 / time).norm();
                 assert!(
@@ -282,8 +282,8 @@ mod tests {
                 );
                 let exact = law.creep_compliance(time).unwrap().recip();
                 let found = response(law.as_ref(), time, Reading::Creep { ramp: 0.0 });
-                // the closed form of a soft solid is the difference of two numbers that are 2000
-                // times as large
+                // tolerance: the closed form of the softest solid is the difference of two numbers
+                // that are 2000 times as large
                 assert!(
                     (found / exact - 1.0).abs() < 1e-11,
                     "{index} {time}: {found} {exact}"
@@ -337,7 +337,7 @@ mod tests {
                 let at_s = |s, row: &mut [Complex64]| law.gradient_at_s(s, row).ok();
                 let scratch = &mut [Complex64::ZERO; 2];
                 respond((time.recip(), reading), &mut gradient, scratch, at_s);
-                // the series for a short ramp has an error of 5e-10
+                // tolerance: the series for a short ramp has an error of 5e-10
                 let error = (slope - gradient[1].re).abs();
                 assert!(error < 1e-9, "{ramp} {time} {slope} {}", gradient[1].re);
                 assert!((left - gradient[0].re).abs() < 1e-11);

@@ -173,7 +173,7 @@ mod tests {
         let n = d.map(|d| psi * d);
         let pair = RatioOfSpectra::new(&[&n[..1], &n[1..]], &[&d[..1], &d[1..]], &[0.2], &[0.1]);
         let pair = pair.unwrap();
-        // The tolerance is a few roundings of numbers of the order of 1.
+        // tolerance: a few rounding errors of numbers of the order of 1
         assert!((pair.ratio[0] - psi).norm() < 1e-15);
         assert!((pair.variance[0] - (0.04 + 0.25 * 0.01) / 14.25).abs() < 1e-16);
     }

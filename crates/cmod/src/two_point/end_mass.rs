@@ -393,8 +393,8 @@ mod tests {
             let second = (16.0 * (a + c) - 30.0 * o - b - d) / (12.0 * h * h) / 2.0;
             let third = (d - b - 2.0 * (c - a)) / (2.0 * h * h * h) / 6.0;
             let series = MassSeries::about(free_end);
-            // The truncation errors are 1e-8, 1e-8 and 1e-4; the rounding errors are 1e-14 divided
-            // by h, h² and h³.
+            // tolerance: the truncation errors are 1e-8, 1e-8 and 1e-4; the rounding errors are
+            // 1e-14 divided by h, h² and h³
             assert!((first - series.first).norm() < 1e-7 * series.first.norm());
             assert!((second - series.second).norm() < 1e-5 * series.second.norm());
             assert!((third - series.third).norm() < 1e-2 * series.third.norm());
@@ -424,7 +424,7 @@ mod tests {
                 }
                 let root = equation.continuation(free_end);
                 assert!(root.termination.was_successful());
-                // The tolerance is rounding divided by |f'| >= 0.05.
+                // tolerance: rounding divided by |f'| >= 0.05
                 assert!((root.gamma_length - exact).norm() < 1e-12 * (1.0 + exact.norm()));
             }
         }

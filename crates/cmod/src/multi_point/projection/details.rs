@@ -128,9 +128,9 @@ mod tests {
         let gamma = Complex64::new(0.9, 28.0);
         let line = three_gauges(gamma);
         let (details, _) = projection.details(gamma, None, &line).unwrap();
-        // Three equidistant gauges solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The
-        // rotation of P adds a term of the order of the aperture to q: near ka = π the first term
-        // dominates.
+        // Three equidistant gauges solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2.
+        // tolerance: P also depends on γ, which adds a term of the order of the aperture to q; near
+        // ka = π this term is small compared with the first.
         let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
         assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
     }
