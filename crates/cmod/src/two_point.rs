@@ -43,7 +43,7 @@ use end_mass::Slopes;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Solver {
-    /// Continuation in the mass ratio. It also follows the branch at low losses. Where two roots
+    /// Continuation in the mass ratio. It follows the branch even at low losses. Where two roots
     /// come near each other, the root nearest to the value expected from all lines together is
     /// used.
     #[default]

@@ -24,7 +24,8 @@ pub(super) const BAD_LINE: f64 = 9.0;
 const STRAY: f64 = 0.01;
 const STRAY_VARIANCE: f64 = 4.0;
 
-/// State γ and dγ/dω of a course, with the covariance of the two: E|δγ|² and so on.
+/// State γ and dγ/dω of a course, with its covariance matrix: E|δγ|², the covariance of γ and
+/// dγ/dω, and the variance of dγ/dω.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State {
     pub(super) gamma: Complex64,

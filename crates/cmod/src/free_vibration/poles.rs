@@ -121,15 +121,16 @@ impl Poles {
     /// X_k = B/(1 - z e^{-iω_kΔt}) + b₀ + b₁k + b₂k² ,
     /// ```
     ///
-    /// This is exact, wherever the record ends; the parabola represents all other modes, which are
-    /// far away. B, b and z follow by least squares on the lines around the mode, and the noise of
-    /// these lines follows from the residual. The frequency of a mode predicts the frequency of the
-    /// next mode. The poles of several records are averaged; if they differ by more than their
-    /// errors, the variance of the mean follows from their scatter.
+    /// The first term is exact, wherever the record ends; the parabola approximates the
+    /// contributions of all other modes, whose frequencies are far away. B, b and z follow by least
+    /// squares on the lines around the mode, and the noise of these lines follows from the
+    /// residual. The frequency of a mode predicts the frequency of the next mode. The poles of
+    /// several records are averaged; if they differ by more than their errors, the variance of the
+    /// mean follows from their scatter.
     ///
     /// If a mode decays long before the end of the records, noise dominates the rest of the
     /// records. Therefore the first half, quarter, ... of each record is tried too, and replaces a
-    /// longer part if the shorter part halves the variance.
+    /// longer part if its variance is less than half as large.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a rate that is not above 0, a sample that is not finite, or

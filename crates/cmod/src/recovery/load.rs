@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::dashpot::{Dashpot, SpringStress};
 use crate::error::{CmodError, check_finite, check_not_negative, check_positive, check_values};
 
-/// Number of integration steps per period of a sine.
+/// Minimum number of integration steps per period of a sine.
 const STEPS_PER_PERIOD: f64 = 8.0;
 
 /// Part of a load. The time within each segment starts at 0.

@@ -23,8 +23,8 @@ pub(super) enum Effort {
     /// Accuracy of `Comparison` with fewer iterations. A search that needs more iterations is in a
     /// flat valley.
     Search,
-    /// Accuracy of `Comparison` if χ² falls to this value. The iteration ends as soon as χ² cannot
-    /// fall to it in the remaining iterations.
+    /// Accuracy of `Comparison` if χ² falls to this value. The iteration ends as soon as χ² is not
+    /// predicted to fall to this value in the remaining iterations.
     Below(f64),
 }
 
@@ -153,7 +153,8 @@ pub(super) fn minimise<M: Model + ?Sized>(
     let mut rejected = 0;
     let mut ending = Ending::OutOfIterations;
     for left in (0..effort.most_iterations()).rev() {
-        // relative to the effect of one standard deviation, or the rounding of the sum of squares
+        // a fraction of the effect of one standard deviation, but at least the rounding error of
+        // the sum of squares
         let scale = (chi_squared / freedom).min(1.0);
         let negligible = (effort.negligible() * scale).max(1e-13 * chi_squared);
         let Some(promised) = normal.step(damping) else {
@@ -161,8 +162,8 @@ pub(super) fn minimise<M: Model + ?Sized>(
             continue;
         };
         let longest = normal.step.iter().fold(0.0, |l: f64, d| l.max(d.abs()));
-        // a long step in a flat valley: a relaxation moves out of the band without an effect on the
-        // data
+        // a long step with a negligible reduction means a flat valley, for example of a relaxation
+        // that moves out of the band
         let idle = longest >= IDLE_STEP && promised <= effort.idle() * scale;
         if promised <= negligible || longest < 1e-11 || idle {
             if rejected > 0 {

@@ -98,15 +98,17 @@ impl NonNegative {
         }
     }
 
-    /// Solves until no single column is predicted to lower |b - A x|² by more than 1e-4 of its mean
-    /// per value (or of 1, if that is less). This accuracy is sufficient for a starting point.
+    /// Solves until no single column is predicted to lower |b - A x|² by more than 1e-4 of the mean
+    /// square per value, or by more than 1e-4 if the mean square exceeds 1. This accuracy is
+    /// sufficient for a starting point.
     pub(crate) fn solve(&self) -> Optimum {
         self.solve_to(1e-4)
     }
 
     /// Solves until no single column is predicted to lower |b - A x|² by more than the fraction
-    /// `tolerance` of its mean per value (or of 1, if that is less). Many columns together may
-    /// lower it by far more if they are nearly dependent.
+    /// `tolerance` of the mean square per value, or by more than `tolerance` if the mean square
+    /// exceeds 1. Many columns together may lower |b - A x|² by far more if they are nearly
+    /// dependent.
     pub(crate) fn solve_to(&self, tolerance: f64) -> Optimum {
         let n = self.columns;
         let mut x = vec![0.0; n];

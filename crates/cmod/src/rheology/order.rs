@@ -27,8 +27,8 @@ use crate::error::CmodError;
 
 /// Weight relative to the best order below which an order does not contribute to a prediction.
 const LEAST_WEIGHT: f64 = 1e-3;
-/// The search ends when the criterion exceeds its best value by this amount at two successive
-/// orders.
+/// Amount by which the criterion exceeds its best value at two successive orders when the search
+/// ends.
 const HOPELESS: f64 = 30.0;
 
 /// Generalised Maxwell model of a chosen or given order.

@@ -13,7 +13,7 @@ const REFINEMENTS: u32 = 12;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Minimum number of points in the overlap, of both curves together.
 const FEWEST: usize = 3;
-/// Correction for an overlap of few points, which may be good by chance: the mean square is
+/// Correction for an overlap of few points, which may fit well by chance: the mean square is
 /// increased by the fraction `CHANCE` divided by the number of points.
 const CHANCE: f64 = 6.0;
 

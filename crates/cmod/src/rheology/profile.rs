@@ -34,7 +34,8 @@ pub(super) enum End {
 #[derive(Default)]
 pub(super) struct Elsewhere {
     starts: Vec<Vec<f64>>,
-    /// Selection of the lines of the data, if there are many more lines than [`SOME_LINES`].
+    /// Selection of the lines of the data, if there are more than twice as many lines as
+    /// [`SOME_LINES`].
     some_lines: Option<ModulusData>,
 }
 

@@ -55,7 +55,7 @@ pub(super) fn wave_speed(
         Some(_) => FEWEST_COMPARED_WITH_DELAY,
         None => FEWEST_COMPARED,
     };
-    // number of waves over the distance at the last line that is compared at all speeds
+    // number of waves over the distance at the last of the lines that are compared at every speed
     let last = measured.get(..fewest).unwrap_or(measured).last();
     let waves = last.map_or(1.0, |line| line.frequency_hz * distance / slowest);
     let ratio = match settings.delay {

@@ -9,9 +9,10 @@ use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::ModulusLine;
 use crate::vectors::{dot, subtract};
 
-/// Ratio of neighbouring relaxation times. With a ratio of 2.5, coefficients of any sign leave a
-/// residual of 1e-4 of a loss that rises by powers of ten; in quiet records this causes a bias of
-/// many standard errors. With the ratio of 1.5 the residual is below any noise.
+/// Ratio of neighbouring relaxation times. With a ratio of 2.5, a fit with coefficients of any sign
+/// leaves a residual of 1e-4 of a loss that rises by several powers of ten in the band; in quiet
+/// records this causes a bias of many standard errors. With the ratio of 1.5 the residual is below
+/// any noise.
 const GRID: f64 = 1.5;
 /// Factor by which the grid extends beyond the band.
 const BEYOND: f64 = 1000.0;

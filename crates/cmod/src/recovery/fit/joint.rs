@@ -300,7 +300,7 @@ impl Errors {
             Some(reason) => Verdict::NotIdentifiable(reason),
         };
         // the smaller m is, the smaller is its error: without the condition on E2 and k, m would
-        // count as identified only where it is too small
+        // count as identified only where its estimate is too small
         let others = self.parallel_modulus.max(self.rate);
         let exponent = judged(self.exponent.max(others));
         let parameters = at.parameters();

@@ -7,7 +7,7 @@ use crate::error::{CmodError, check_positive};
 use crate::estimate::ErrorSource;
 use crate::vectors::add_square;
 
-/// Name with which the relaxation times of a series begin.
+/// Beginning of the names of the relaxation times of a series.
 const TIMES: &str = "relaxation time";
 
 impl MasterCurve {
