@@ -47,8 +47,8 @@
 //! - Waves cannot be counted on lines that are all farther apart than half a wave: kL is assumed to
 //!   advance by less than π between the two closest lines. The transit time through the specimen
 //!   must therefore be less than half the length of the record.
-//! - A stretch of lines that do not lie on a smooth curve is doubtful; if it is longer than half a
-//!   wave, all following lines are also doubtful.
+//! - A stretch of lines that do not lie on a smooth curve is doubtful; if kL advances by more than
+//!   half a wave over the stretch, all following lines are also doubtful.
 //!
 //! [`resolve`] handles one record with a free end; [`BranchTracker`] handles any
 //! [`PhaseObservation`], including a specimen with a mass at its end and a wave that has travelled

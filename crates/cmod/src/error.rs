@@ -322,7 +322,7 @@ pub enum CmodError {
     Rodwave(#[from] rodwave::RodwaveError),
 }
 
-/// Accepts a value that `is_right`.
+/// Accepts a value if `is_right` is true.
 pub(crate) fn check_that(
     is_right: bool,
     quantity: &'static str,

@@ -80,8 +80,8 @@ const SETTLED: f64 = 0.02;
 const NEARLY_SETTLED: f64 = 0.3;
 /// Maximum number of lines that are used, evenly spaced.
 const MOST_LINES: usize = 1000;
-/// Standard deviation of the largest contribution of a term of the smooth modulus in the band,
-/// relative to the largest modulus in the band.
+/// Prior standard deviation of the largest contribution that a term of the smooth modulus makes in
+/// the band, relative to the largest modulus in the band.
 const LARGEST_TERM: f64 = 10.0;
 /// Maximum random error of a line that is used, relative to the modulus. With a larger error, the
 /// modulus is not a linear function of the ratio.

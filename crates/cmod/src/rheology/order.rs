@@ -1,12 +1,12 @@
 //! Choice of the number of branches of a Prony series.
 //!
 //! χ² is a convex function of the relaxation spectrum, a distribution E(τ) >= 0, and the best
-//! spectrum consists of discrete lines. These lines are found by non-negative least squares on a
-//! grid of relaxation times, neighbouring lines are merged, and all parameters of the series are
-//! refined. Further lines are added as long as they lower χ². No series with more branches fits
-//! better, so only shorter series are tried. Branches are merged or removed one at a time, choosing
-//! the change that increases χ² least, and the remaining series is refined again. The criterion
-//! chooses among the orders.
+//! spectrum consists of discrete spectral lines. The spectral lines are found by non-negative least
+//! squares on a grid of relaxation times, neighbouring spectral lines are merged into branches, and
+//! all parameters of the series are refined. Further branches are added as long as they lower χ².
+//! No series with more branches fits better, so only shorter series are tried. Branches are merged
+//! or removed one at a time, choosing the change that increases χ² least, and the remaining series
+//! is refined again. The criterion chooses among the orders.
 
 mod refined;
 mod series;

@@ -12,9 +12,9 @@ use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal};
 use crate::validity::{Validity, conditions};
 use crate::vectors::dot;
 
-/// Standard deviation of the largest contribution of a term in the band, relative to the largest
-/// modulus in the band. For a passive material every term is positive, and none exceeds the
-/// modulus.
+/// Prior standard deviation of the largest contribution that a term makes in the band, relative to
+/// the largest modulus in the band. For a passive material every term is positive, and none exceeds
+/// the modulus.
 const LARGEST_TERM: f64 = 0.3;
 
 /// Minimum number of lines that determine the variation of the modulus.

@@ -72,8 +72,9 @@ fn directly(probability: f64, degrees_of_freedom: Option<f64>) -> Result<f64, Cm
     Ok(-quantile)
 }
 
-/// Minimum degrees of freedom. With one degree of freedom there is neither a mean nor a variance;
-/// far below one, the inverse of the incomplete beta function has no correct digits.
+/// Minimum degrees of freedom. With one degree of freedom Student's distribution has neither a mean
+/// nor a variance; far below one, the inverse of the incomplete beta function has no correct
+/// digits.
 const FEWEST: f64 = 0.01;
 
 /// Degrees of freedom above which Student's distribution is expanded about the normal distribution,

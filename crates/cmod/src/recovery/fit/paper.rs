@@ -33,7 +33,7 @@ pub struct PaperFit {
 ///
 /// `series_modulus` is E₁ \[Pa\]. The reference test determines E₂ and B, but not m. Therefore the
 /// result scatters more than the result of a [joint fit](super::RecoveryFit). The procedure gives
-/// no errors.
+/// no standard errors.
 ///
 /// # Errors
 /// [`CmodError::ReferenceTest`] if there is no such test; [`CmodError::TooFewReadings`] if there is

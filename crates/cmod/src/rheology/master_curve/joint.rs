@@ -31,7 +31,7 @@ pub(super) struct Joint<'a> {
     pub(super) scaled_temperatures: Vec<f64>,
 }
 
-/// Minimum of the joint fit, whose order would not change in another round.
+/// Minimum of the joint fit after the last round.
 pub(super) struct Settled {
     pub(super) model: Prony,
     pub(super) minimum: Minimum,

@@ -21,7 +21,8 @@ pub(in super::super) struct Series {
 }
 
 impl Series {
-    /// Returns the lines of the best spectrum on a grid, with neighbouring lines merged.
+    /// Returns the best spectrum on a grid of relaxation times, with neighbouring spectral lines
+    /// merged into branches.
     pub(super) fn best(data: &ModulusData) -> Self {
         let times = grid(data);
         let mut columns = vec![constant(data)];
