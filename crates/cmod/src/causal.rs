@@ -327,8 +327,9 @@ impl CausalEstimate {
         (2.0 * of_sum.min(least)).min(1.0)
     }
 
-    /// Returns true if the iteration has converged: the last linearisation changed the modulus,
-    /// over all lines, by less than about a thirtieth of a standard error.
+    /// Returns true if the iteration has converged: the last linearisation changed the moduli of
+    /// all lines together, as the root of the sum of squares, by less than about a thirtieth of a
+    /// standard error.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         self.is_at_rest

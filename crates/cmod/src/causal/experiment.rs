@@ -16,8 +16,9 @@ use crate::validity::Violation;
 
 /// Maximum number of linearisations.
 const MOST_ROUNDS: u32 = 30;
-/// Sum of squares of the changes of all lines, in units of their errors, below which the iteration
-/// has converged. A change of a single line by one standard error gives 1.
+/// Sum of squares of the changes of all lines, in units of their errors, and of the changes of the
+/// sizes of the common errors, below which the iteration has converged. A change of a single line
+/// by one standard error gives 1.
 const AT_REST: f64 = 1e-3;
 
 /// Line that is part of the estimate.

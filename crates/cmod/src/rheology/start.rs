@@ -217,7 +217,7 @@ fn some_lines(data: &ModulusData) -> Vec<usize> {
     (0..data.len()).step_by(stride.max(1)).collect()
 }
 
-/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `law`(s), and χ². A value below a thousandth of the
+/// Returns χ² and the best E₀ and ΔE >= 0 of E₀ + ΔE `law`(s). A value below a thousandth of the
 /// modulus is set to a thousandth of the modulus, so that the iteration can change it.
 #[allow(
     clippy::indexing_slicing,

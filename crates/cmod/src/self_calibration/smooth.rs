@@ -146,7 +146,8 @@ struct SmoothModulus {
 
 impl SmoothModulus {
     /// Creates the functions for the band of `places`, values of s in order of increasing
-    /// frequency. No term exceeds `largest` \[Pa\] in the band. Returns `None` without places.
+    /// frequency. A term with the coefficient 1 contributes at most `largest` \[Pa\] in the band.
+    /// Returns `None` without places.
     fn on(places: &[Complex64], largest: f64) -> Option<Self> {
         let lowest = places.first()?.im;
         let highest = places.last()?.im;
