@@ -60,8 +60,9 @@ impl MasterCurve {
         Ok(self)
     }
 
-    /// Returns the standard uncertainty of the temperatures \[K\] that explains the scatter of the
-    /// shifts about WLF, if the shifts differ from WLF by more than their errors.
+    /// Returns the standard uncertainty of the temperatures \[K\] that would by itself explain the
+    /// scatter of the shifts about WLF. It is meaningful only if the shifts differ from WLF by more
+    /// than their errors.
     ///
     /// # Errors
     /// The errors of [`Self::shift_laws_by_scatter`].
@@ -86,8 +87,8 @@ impl MasterCurve {
     }
 
     /// Returns the law from which slopes are computed: WLF fitted by the scatter of the shifts; if
-    /// there are too few shifts for this, WLF fitted with the errors of the shifts, or the straight
-    /// line through two shifts.
+    /// there are too few shifts for this, WLF fitted with the errors of the shifts, or, if there
+    /// are only two shifts, the straight line through them.
     fn law_of_slopes(&self) -> Result<Wlf, CmodError> {
         let laws = self.shift_laws_by_scatter().or_else(|_| self.shift_laws());
         match (laws, self.shifts.as_slice()) {
