@@ -5,7 +5,7 @@ use std::fs;
 
 use crate::runs::{Folder, path_of_example, rodlab, text as text_of};
 
-/// Runs the example of polypropylene after `change` of its sheet.
+/// Runs the polypropylene example with its sheet changed by `change`; returns status and messages.
 fn said_of(change: impl Fn(&str) -> String) -> String {
     let folder = Folder::of_example("polypropylene");
     let sheet = folder.file("modulus.ron");
@@ -16,7 +16,7 @@ fn said_of(change: impl Fn(&str) -> String) -> String {
     let run = folder.rodlab("modulus modulus.ron --quiet");
     assert_eq!(text_of(&run.stdout), "");
     let done = folder.has("modulus-result/result.json");
-    // a status of 2 leaves no result, one of 1 leaves what was found
+    // with status 2 there is no result, with status 1 there is a partial one
     assert_eq!(done, run.status.code() == Some(1));
     let here = folder.path().canonicalize().unwrap();
     let words = text_of(&run.stderr);
@@ -160,14 +160,13 @@ fn too_few_hits() {
     ");
 }
 
-/// Returns the message about a sheet of the job `job` with this text. Fails if the message takes
-/// half a minute.
+/// Returns the message about the sheet `text` of the job `job`. Fails if it takes 30 s or more.
 fn said_at_once(job: &str, text: &str) -> String {
     let folder = Folder::new();
     folder.write("sheet.ron", text);
     let began = std::time::Instant::now();
     let run = rodlab(folder.path(), &[job, "sheet.ron", "--quiet"]);
-    // a sheet that is not refused is computed for minutes
+    // if the sheet were not refused, its computation would take minutes
     assert!(began.elapsed().as_secs() < 30, "{:?}", began.elapsed());
     assert_eq!(run.status.code(), Some(2));
     assert!(!folder.has("sheet-result"));

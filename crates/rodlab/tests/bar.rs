@@ -96,9 +96,9 @@ fn misfit(outcome: &Outcome) -> f64 {
     found.unwrap().value.unwrap()
 }
 
-/// The record ends while the bar rings, so that its lines are damped and neighbouring ones have
-/// correlated noise. If the residuals were treated as independent, the true law would be rejected
-/// in most shots; by chance it is rejected in one of a hundred.
+/// The record ends while the bar rings: an exponential window is applied, and the noise of
+/// neighbouring lines is correlated. If the residuals were treated as independent, the true law
+/// would be rejected in most shots; by chance it is rejected in one of a hundred.
 #[test]
 fn the_true_law_explains_damped_lines() {
     let bar = LongBar {
@@ -139,7 +139,7 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
             if seed == 0 {
                 assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
                 outcome.summary[1].must_begin("Waves at ");
-                // settings have the names of the sheet of a bar, each once
+                // settings are named as in a sheet for `bar`, and each occurs once
                 let speeds = outcome.settings.iter().filter(|s| s.name == "wave_speed");
                 let speeds: Vec<&str> = speeds.map(|s| s.value.as_str()).collect();
                 let stated = gains.len() == 1;
@@ -153,8 +153,8 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
                 let figures = ["propagation", "passages", "separated_waves", "model"];
                 figures_of(&outcome).must_say_all(&figures);
             }
-            // the residual contains noise, 0.01 % of the peak or 0.1 % of the mean over a
-            // millisecond, and the invalid lines between valid ones
+            // tolerance: the residual contains noise of 0.01 % of the peak and the invalid lines
+            // between valid ones
             let left = misfit(&outcome);
             println!("{left}");
             assert!(left < 2.0, "{left}");
@@ -164,7 +164,8 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
         }
         println!("{counts:?}");
         let [lines, damping, speed] = counts;
-        // one line in twenty is expected outside, and the noise of some lines is correlated
+        // tolerance: one line in twenty is expected outside, and the noise of some lines is
+        // correlated
         assert!(lines > 100, "{counts:?}");
         assert!(damping < lines / 8 && speed < lines / 8, "{counts:?}");
     }

@@ -142,7 +142,7 @@ fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
     let before = listed(folder.path(), "modulus.ron", 0);
     assert_eq!(before[0]["test"], "modulus");
     assert_eq!(before[0]["inputs"].as_array().unwrap().len(), 5);
-    // the files are those of the result
+    // inputs and hash of the sheet are those of the result
     assert!(folder.rodlab("modulus modulus.ron").status.success());
     let result = folder.json("modulus-result/result.json");
     assert_eq!(before[0]["inputs"], result["inputs"]);
@@ -162,7 +162,7 @@ fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
         after[0]["key"]
     );
 
-    // a wrong sheet is listed with its error, beside the others
+    // a wrong sheet is listed with its error, together with the others
     folder.write("wrong.ron", "Force(title: 1)");
     let all = listed(folder.path(), "*.ron", 2);
     let tests: Vec<&str> = all

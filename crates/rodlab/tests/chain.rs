@@ -23,19 +23,20 @@ use crate::runs::{Folder, Refused, Words, column, doubts, path_of_example, write
 const RATE: f64 = 1e6;
 const LENGTH: f64 = 0.006;
 const DIAMETER: f64 = 0.014;
-/// Standard uncertainties of the laboratory; the density is that of a data sheet.
+/// Standard uncertainties of the laboratory: of a gauge factor (relative), of a position \[m\], and
+/// of a density from a data sheet \[kg/m³\].
 const GAUGE_FACTOR: f64 = 0.005;
 const POSITION: f64 = 1e-3;
 const DENSITY: f64 = 25.0;
 
-/// A measured material.
+/// A valid file of a measured material.
 const GOOD: &str = r#"{"format": "rodlab material 1", "title": "bar", "law": "Zener",
     "parameters": [{"name": "relaxed modulus", "unit": "Pa", "value": 2.6e9}, {"name": "relaxation strength", "unit": "Pa", "value": 4e8},
         {"name": "relaxation time", "unit": "s", "value": 2e-5}],
     "density": 1150.0, "band_hz": [500.0, 9000.0], "errors": [{"source": "noise 1", "density": 0.0, "parameters": [1e-3, 0.0, 0.0]}],
     "doubts": [], "inputs": []}"#;
 
-/// The bar that is measured, of the polyamide of [`HopkinsonRig::nylon`].
+/// Bar whose law is measured; its material is the polyamide of [`HopkinsonRig::nylon`].
 fn long_bar() -> LongBar {
     let modulus = |s: Complex64| {
         let branch = |modulus: f64, time: f64| modulus * s * time / (1.0 + s * time);
@@ -49,12 +50,13 @@ fn long_bar() -> LongBar {
     }
 }
 
-/// Runs a sheet and writes what it attaches beside it.
+/// Runs a sheet and writes its attachments to the folder.
 fn run(folder: &Folder, text: &str) -> Result<Outcome, RodlabError> {
     folder.run(text).inspect(|outcome| folder.keep(outcome))
 }
 
-/// Measures the bar: positions and density are off by the laboratory's own errors.
+/// Measures the bar; the stated positions differ from the true ones by random errors of the
+/// laboratory.
 fn measure_bar(folder: &Folder, density: f64, noise: &mut Noise, seed: u64) -> Outcome {
     write_columns(
         &folder.file("bar.csv"),
@@ -175,7 +177,7 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
         let density = 1150.0 + DENSITY * noise.normal();
         let bar = measure_bar(&folder, density, &mut noise, seed);
         assert_eq!(bar.verdict, Verdict::Answered, "{:?}", bar.summary);
-        // the law of the result assumed exact
+        // the same file without errors, so that the law is assumed exact
         let text = folder.read("material.json");
         let start = text.find("\"errors\": [").unwrap();
         let end = text.find("\"doubts\"").unwrap();
@@ -193,10 +195,11 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
     }
     println!("covered {sum:?}, without the errors of the law {exact:?}, {doubts} in doubt");
     let part = |n: usize| n as f64 / sum[2] as f64;
-    // errors are common to all times of a shot, so that 12 laboratories scatter by 6 % about 95 %
+    // tolerance: errors are common to all times of a shot, so that the fraction inside scatters by
+    // 6 % for 12 laboratories
     assert!(part(sum[0]) > 0.8 && part(sum[1]) > 0.8, "{sum:?}");
-    // the modulus was determined with the stated density of the bars: without the error of the
-    // density the stress is off by more than the band
+    // without the errors of the law, which include that of the density, the band is too narrow and
+    // contains the true stress less often
     assert!(part(exact[0]) < part(sum[0]) - 0.05, "{exact:?}");
     assert!(doubts <= 1 + seeds as usize / 10, "{doubts}");
 }

@@ -93,7 +93,7 @@ fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
     assert_eq!(result["warnings"], serde_json::json!([]));
     let sentence = result["summary"][0].as_str().unwrap();
     sentence.must_say("loss factor 0.0");
-    // nothing is replaced
+    // an existing folder is not replaced
     let said = refused(&folder, "demo first");
     said.must_begin("status 2\nerror: the folder of the demo is first, ");
     said.must_say("`rodlab demo first-2`");
@@ -210,7 +210,7 @@ fn data_that_do_not_allow_the_result_end_with_status_1_and_a_reason() {
     let run = folder.rodlab("force hit.ron");
     assert_eq!(run.status.code(), Some(1));
     text(&run.stderr).must_begin("not allowed: the time step is too long for the contact");
-    // the partial results are there nevertheless
+    // the partial results are written
     assert!(folder.has("hit-result/result.json"));
 }
 
@@ -233,7 +233,7 @@ fn check_reads_everything_and_computes_nothing() {
 #[cfg(unix)]
 #[test]
 fn a_folder_that_cannot_be_written_is_named() {
-    // a file in place of the folder, which is an error whatever the permissions of the caller
+    // a file has the name of the folder: an error even for a user with all permissions
     let folder = folder_with(&[("hit.ron", FORCE), ("taken", "")]);
     let said = refused(&folder, "force hit.ron --out taken");
     said.must_begin("status 2\nerror: cannot write taken: it is a file, expected a folder");
@@ -263,7 +263,7 @@ fn a_recording_is_inspected_and_converted() {
     );
     let said = refused(&folder, "init");
     said.must_begin("status 2\nerror: the job of the new sheet is not stated, expected one of `frf`, `modulus`, ");
-    // a rig belongs to one job
+    // the rig determines the job
     folder.done("init --rig dma");
     folder.read("fit.toml").must_say("job = \"fit\"");
 }
@@ -290,13 +290,13 @@ fn a_refused_command_without_a_sheet_leaves_no_sheet_and_the_earlier_result() {
     ]);
     assert!(!folder.has("frf.toml"));
     assert_eq!(fs::read(&result).unwrap(), earlier);
-    // a sheet with a name of the user's choice, and one that was there before, stay
+    // a sheet saved by `--save` is not removed, nor is one that existed before the command
     refused(&folder, &format!("{call} --save frf.toml"));
     refused(&folder, call);
     assert!(folder.file("frf.toml").is_file());
 }
 
-/// The records contain a force of one sample and a response of one sample.
+/// In the records, force and response differ from 0 in one sample each.
 #[test]
 fn a_unit_against_that_of_the_file_is_found_by_check_and_a_written_sheet_is_named() {
     let samples = (0..64).map(|n| {

@@ -73,7 +73,7 @@ fn a_matlab_file_holds_numbers_names_and_axes() {
         assert_eq!(one.ordinate_axis, other.ordinate_axis);
         assert_eq!(one.abscissa_axis, other.abscissa_axis);
     }
-    // and nothing is lost on the way to a table
+    // the conversion of the MATLAB file to a table loses nothing
     let table = folder.file("hits.csv");
     let done = convert(&target, &table, options).unwrap();
     assert!(done.lost.is_empty(), "{:?}", done.lost);
@@ -157,7 +157,7 @@ fn what_a_format_has_no_place_for_is_listed() {
       the property `operator` of the file, `N. N.`
       the property `serial` of `end A`, `12345`
     ");
-    // the values are there nevertheless
+    // the values are kept
     let back = format::read(folder.file("bare.npy")).unwrap();
     assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
     let back = format::read(folder.file("sound.wav")).unwrap();
@@ -307,7 +307,7 @@ fn r19_a_file_that_is_there_is_replaced_only_by_force_and_the_input_never() {
     convert(&path, &target, force).unwrap();
     let back = format::read(&target).unwrap();
     assert_eq!(back.series[0].ordinate, contents.series[0].ordinate);
-    // by whatever name
+    // the input is never replaced, by whatever name it is called
     let mut names = vec![path.clone(), folder.file("./source.npz")];
     #[cfg(unix)]
     {
@@ -339,8 +339,8 @@ fn a_damaged_file_is_converted_only_when_asked_to() {
     assert_eq!(format::read(&target).unwrap().series[0].ordinate.len(), 4);
 }
 
-/// A frequency response of a universal file keeps the unit of its denominator in other formats, and
-/// hits with equal names, or with names that no member of an archive can have, become members.
+/// In other formats, a frequency response of a universal file keeps the unit of its denominator.
+/// Hits are stored in an archive even if their names are equal or not allowed there.
 #[test]
 fn units_of_ratios_and_hits_with_equal_names_are_kept() {
     let folder = Folder::new();

@@ -59,7 +59,8 @@ fn quantity(result: &Value, name: &str) -> (f64, f64) {
     )
 }
 
-/// A quantity that is `truth` within so many standard errors of at most a share of it.
+/// Fails unless a quantity is `truth` within `errors` standard errors, and its standard error is
+/// below `share` of `truth`.
 fn is_found(result: &Value, name: &str, truth: f64, [errors, share]: [f64; 2]) {
     let (value, error) = quantity(result, name);
     assert!(
@@ -119,7 +120,7 @@ fn moduli_are_those_of(material: &Material, result: &Value) {
         };
         let value = quantity["value"].as_f64().unwrap();
         let error = quantity["standard_error"].as_f64().unwrap();
-        // four standard errors: the records are one draw of the noise and were not selected
+        // tolerance: four standard errors
         assert!(
             (value - expected).abs() < 4.0 * error,
             "{name}: {value} ± {error}, expected {expected}"
@@ -185,8 +186,8 @@ fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
             checked += 1;
         }
     }
-    // the bars have the stated properties; at the end of the pulse the rate changes within the
-    // 32 us of the band limit
+    // tolerance: at the end of the pulse the rate changes within the 32 us that the band limit
+    // resolves
     assert!(checked > 40 && most < 0.035, "{checked} {most}");
 }
 
@@ -223,13 +224,14 @@ fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
     assert_eq!(column(&result, "shifts", "temperature_degc").len(), 13);
 }
 
-/// First steps of the force: piston and shank have the same section, so that the force is their
-/// impedance times half the velocity. When the reflection from the collar has returned, the force
-/// is larger by the reflection coefficient.
+/// First two steps of the force. Piston and shank have the same section, so that the first step is
+/// their impedance times half the velocity. When the reflection from the collar has returned, the
+/// force is larger by the reflection coefficient.
 #[test]
 fn the_piston_presses_as_the_sections_of_the_shank_say() {
     let folder = Folder::of_example("drill_string");
-    // 40 draws, instead of 200, give the standard error to 11 %, and half of it is allowed
+    // 40 draws, instead of 200, determine the standard error to 11 %; tolerance: half of the
+    // expected 1 % of the impulse
     let few = "duration: \"2.5 ms\", uncertainty: (draws: 40),";
     let sheet = folder
         .read("force.ron")
@@ -258,15 +260,15 @@ fn the_piston_presses_as_the_sections_of_the_shank_say() {
 fn the_cone_presses_as_computed_from_its_impedances() {
     let result = result_of("cone", "force");
     let (peak, error) = quantity(&result, "peak force in the band");
-    // the first jump is V/(1/Z1 + 1/Z2) with the impedances of the two faces; nylon's grows with
-    // frequency by a power
+    // the first jump is V/(1/Z1 + 1/Z2) with the impedances of the two faces; that of nylon is
+    // proportional to a power of the frequency
     let exponent = 2.0 * 0.094_f64.atan() / std::f64::consts::PI;
     let area = |d: f64| std::f64::consts::PI * d * d / 4.0;
     let nylon = |f: f64| area(0.075) * (1150.0 * 2.6e9 * (f / 3e3).powf(exponent)).sqrt();
     let steel = area(0.010) * (7780.0 * 206e9_f64).sqrt();
     let jump = |f: f64| 0.93 / (1.0 / nylon(f) + 1.0 / steel);
-    // after its jump the force falls by some per cent within 2 sigma of the low-pass of the band,
-    // which rounds the peak
+    // tolerance: the Gaussian low-pass of the band rounds the peak, and the force falls by a few
+    // per cent within 2 sigma of the low-pass
     assert!(
         peak > 0.93 * jump(1e4) && peak < jump(1e5),
         "{peak}, {} to {}",

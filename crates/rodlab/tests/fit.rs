@@ -74,8 +74,8 @@ fn rows_are_told_from_those_of_no_relaxing_material() {
         squares += ((storage - truth) / error).powi(2) / 41.0;
         assert!(error < 0.01 * truth, "{f} Hz: {error}");
     }
-    // the errors of the causal estimate are common to many rows, so that there are only a few
-    // independent values
+    // tolerance: the errors of the causal estimate are common to many rows, so that there are only
+    // a few independent values
     assert!((0.05..4.0).contains(&squares), "{squares}");
     assert!(reasons(&found(0.8)).contains("contradict every relaxing material"));
 }
@@ -121,8 +121,8 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     let one_curve = "check: one curve for all temperatures, probability";
     assert!(quantity(&outcome, one_curve).valid);
 
-    // the errors of the shifts are part of those of the parameters, and of similar size as their
-    // random errors
+    // the errors of the parameters include those of the shifts, which are similar to their random
+    // errors
     let time = quantity(&outcome, "fractional Zener, relaxation time");
     let of = |part: &str| -> f64 {
         let (_, behind) = time.verdict.split_once(part).unwrap();
@@ -206,7 +206,8 @@ fn a_modulus_read_from_the_nomogram_is_that_at_its_frequency_and_temperature() {
     assert!(read >= 10, "{read} places read");
 }
 
-/// The sweep of the example equals the one made here; `RODLAB_WRITE_EXAMPLES` writes it.
+/// The file of the example equals the virtual sweep; with `RODLAB_WRITE_EXAMPLES` set, it is
+/// written first.
 #[test]
 fn the_example_is_the_sweep_of_this_test() {
     let file = path_of_example("epoxy/sweep.csv");
@@ -284,27 +285,27 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
          WLF: mean chi-square {chi_squared} of 10, {admitted} admitted, {constants} of {} constants within 95 %",
         2 * seeds
     );
-    // errors of the series in every decade of the curve, including its ends; a series of branches
-    // deviates from the power law by up to one of its standard errors
+    // tolerance: in every decade of the curve, including its ends, the Prony series deviates from
+    // the power law by up to one of its standard errors, in addition to the random errors
     for ((part, decade), (squares, lines)) in series {
         let z = (squares / lines).sqrt();
         assert!(z < 1.5, "{part} from 1e{decade} Hz: {z} standard errors");
     }
-    // the shifts of one sweep have the error of the reference in common, so that 40 sweeps give
-    // about 100 independent values
+    // tolerance: the shifts of one sweep have the error of the reference in common, so that 40
+    // sweeps give about 100 independent values
     for (name, covered) in [
         ("shifts", share(shifts, all_shifts)),
         ("parameters", share(parameters, all_parameters)),
     ] {
         assert!((0.88..=0.995).contains(&covered), "{name}: {covered}");
     }
-    // the shifts have the distribution that the fits of their laws assume; the errors of C1 and C2
-    // are correlated
+    // expected: a mean chi-square of 10, 99 % of the fits admitted, 95 % of the constants covered;
+    // the errors of C1 and C2 are correlated
     let seeds = seeds as f64;
     assert!((chi_squared / 10.0 - 1.0).abs() < 0.3, "{chi_squared}");
     assert!(f64::from(admitted) > 0.9 * seeds, "{admitted}");
     assert!(f64::from(constants) > 0.85 * 2.0 * seeds, "{constants}");
-    // the check of the curve, with p < 0.01, rejects one sweep in a hundred
+    // expected: the check of the curve, with p < 0.01, rejects one sweep in a hundred
     assert!(f64::from(answered) > 0.9 * seeds, "{answered}");
 }
 
@@ -321,8 +322,8 @@ fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
     outcome.summary.must_begin("The shifts follow Arrhenius: ");
 }
 
-/// Without errors in the sheet the result is the same, with errors from the scatter, even with two
-/// points per decade and a phase that scatters a fifth as much as |E|.
+/// If the sheet states no errors, they follow from the scatter, even with two frequencies per
+/// decade and a phase error \[rad\] of a fifth of the relative error of |E|.
 #[test]
 fn unstated_errors_are_those_of_the_scatter() {
     let sparse = Sweep {
@@ -450,8 +451,8 @@ fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
     words(&outcome, "shifts", "verdict").must_say("as stated, without overlap");
 }
 
-/// Moduli proportional to T/T_r over 20 K can hardly be distinguished from moduli with a factor of
-/// 1: the errors of the parameters include both, and a warning states this.
+/// Moduli proportional to T/T_r over 20 K can hardly be distinguished from constant moduli: the
+/// errors of the parameters include both possibilities, and a warning states this.
 #[test]
 fn an_open_choice_of_the_factors_is_stated() {
     let seeds = 20;
@@ -484,9 +485,9 @@ fn an_open_choice_of_the_factors_is_stated() {
         "{kept} of {seeds} sweeps keep a factor of 1, rms of the errors {rms} standard errors"
     );
     assert!(kept > 0, "{kept}");
-    // The errors of the four parameters are correlated, so that the standard deviation of the mean
-    // square is 0.32. In 16 sweeps of a generator in NumPy the mean square is 0.76 with the error
-    // of the choice, and 2.9 without.
+    // The errors of the four parameters are correlated, so that the mean square has a standard
+    // deviation of 0.32. In 16 sweeps generated with NumPy the mean square is 0.76 if the errors
+    // include the choice of the factors, and 2.9 otherwise.
     assert!(rms < 1.96_f64.sqrt(), "{rms}");
 }
 

@@ -37,10 +37,12 @@ fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
     let force = column(&outcome, "force", "force");
     let errors = column(&outcome, "force", "standard error of the force");
     for ((t, f), error) in time.iter().zip(force).zip(errors) {
-        // the error is of second order in Z h/M = 4e-3, the exponent of a step: at most 1.6e-5
+        // tolerance: the error is of second order in Z h/M = 4e-3, where h is the time step: at
+        // most 1.6e-5
         let exact = impedance * velocity * (-impedance / mass * t).exp();
         assert!((f / exact - 1.0).abs() < 1.6e-5, "{t}: {f}, exact {exact}");
-        // the force is proportional to the velocity; 200 draws determine its error to 5 %
+        // the force is proportional to the velocity; tolerance: 200 draws determine its error to 5
+        // %
         assert!((error / (0.01 * f) - 1.0).abs() < 0.15, "{t}: {error}");
     }
     // the mass still has a fraction exp(-8) = 3.4e-4 of its momentum
@@ -97,8 +99,8 @@ fn equal_rods_exchange_their_velocities() {
             "{t}: {f}, expected {plateau}"
         );
     }
-    // jumps are spread over a time step of 0.15 µs, in 0.2 ms; in the step of the jump itself the
-    // force is off by a fraction of a per cent
+    // tolerances: a jump is spread over one time step of 0.15 µs, and the contact lasts 0.2 ms; in
+    // the step of the jump the force is off by a fraction of a per cent
     assert!((value(&outcome, "peak force") / plateau - 1.0).abs() < 1e-2);
     assert!(
         (value(&outcome, "end of the last contact") / (2e3 * 0.5 / celerity * 1.0) - 1.0).abs()
@@ -145,7 +147,7 @@ fn r07_the_peak_is_one_number_whatever_the_step_and_the_record() {
         let allowed = value(&outcome, numerical) + value(&reference, numerical);
         assert!(away <= allowed, "{duration} {step}: {away}, {allowed}");
         assert!(allowed < 3e-3 * peak, "{allowed}");
-        // the quantity without the words `in the band` does not depend on the step either
+        // the quantity `peak force` does not depend on the step either
         let plain = value(&outcome, "peak force");
         assert!((plain - peak).abs() <= allowed, "{plain} {peak}");
     }

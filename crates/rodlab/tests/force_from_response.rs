@@ -66,21 +66,22 @@ const BLOW: Hammer = Hammer {
     ..HAMMER
 };
 
-/// The blow, and the exact path.
+/// Folder with the hit and the exact path.
 fn blow_and_path() -> Folder {
     let folder = struck("blow", BODY, BLOW);
     accelerance(folder.path(), BODY);
     folder
 }
 
-/// The blow, and eight hits.
+/// Folder with the hit and eight calibration hits.
 fn blow_and_hits() -> Folder {
     let folder = struck("hit", BODY, HAMMER);
     strike(folder.path(), "blow", BODY, BLOW);
     folder
 }
 
-/// A peak of 300 N within four standard errors and the bias; returns the standard error.
+/// Fails unless the peak is 300 N within four standard errors plus the bias. Returns the standard
+/// error.
 fn peak_is_found(outcome: &Outcome) -> f64 {
     let (peak, error) = estimate(outcome, "peak force");
     let bias = quantity(outcome, "change of the peak by the regularisation");
@@ -98,26 +99,26 @@ fn a_force_comes_back_within_its_band() {
     );
     let outcome = answered(folder.run(&text));
     let error = peak_is_found(&outcome);
-    // 2 m/s2 on a mass of 1 kg: some newtons
+    // noise of 2 m/s2 on a mass of 1 kg corresponds to a force of 2 N
     assert!((0.2..5.0).contains(&error), "{error}");
     let held = quantity(
         &outcome,
         "part of the measured force inside the band of the whole history",
     );
-    // at the beginning and the end of the force, the band without tension has no width, and the
-    // measured force has noise of 0.01 N
+    // the part inside the band is not tested: at both ends of the force the non-negative band has
+    // no width, but the measured force has noise of 0.01 N
     let difference = quantity(
         &outcome,
         "root mean square difference from the measured force",
     );
     assert!(difference.value.unwrap() < 3.0, "{difference:?} {held:?}");
-    // the raised cosine has half its peak in the mean
+    // the mean of a raised cosine is half its peak
     let (impulse, error) = estimate(&outcome, "impulse");
     let away = (impulse - 0.5 * 300.0 * 0.3e-3).abs();
     assert!(away < 4.0 * error, "{impulse} {error}");
     let chi = quantity(&outcome, "weighted residual per degree of freedom");
-    // 2000 samples determine it to 3 %; 179 samples at rest determine the noise to 5 % and its
-    // square to 10 %
+    // tolerance: 2000 samples determine the residual to 3 %; 179 samples at rest determine the
+    // noise to 5 % and its square to 10 %
     assert!((chi.value.unwrap() - 1.0).abs() < 0.35, "{chi:?}");
     let noise = quantity(&outcome, "noise of the response").value.unwrap();
     assert!((noise / 2.0 - 1.0).abs() < 0.2, "{noise}");
@@ -137,12 +138,13 @@ fn without_regularisation_the_band_of_the_whole_history_holds_the_force() {
     let upper = column(&outcome, "force", "band of the whole history, upper");
     let mut squares = Vec::new();
     for n in 195..=235 {
-        // the noise of 0.01 N on the measured force is negligible compared with 2 N
+        // the noise of 0.01 N on the measured force is negligible compared with 2 N, the error of
+        // the computed force
         assert!(lower[n] <= measured[n] && measured[n] <= upper[n], "{n}");
         squares.push(((force[n] - measured[n]) / errors[n]).powi(2));
     }
     let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-    // from 41 correlated samples the mean square of unit errors is known to about a third
+    // tolerance: the mean square of 41 correlated unit errors is known to about a third
     assert!((0.4..2.0).contains(&mean), "{mean}");
 }
 
@@ -155,7 +157,7 @@ fn calibration_hits_tell_path_and_scatter() {
     let outcome = answered(folder.run(&sheet(HITS, &rest)));
     peak_is_found(&outcome);
     let scatter = quantity(&outcome, "scatter between hits with the force");
-    // the hits differ by noise only, at most a few per cent
+    // the hits differ only by noise, which is a few per cent at most
     assert!((0.0..5.0).contains(&scatter.value.unwrap()), "{scatter:?}");
     // the log lists the lines below 20 Hz and above 5 kHz as outside the band
     let reasons: Vec<&str> = outcome
@@ -171,13 +173,13 @@ fn calibration_hits_tell_path_and_scatter() {
 #[test]
 fn what_contradicts_the_noise_is_said() {
     let folder = blow_and_path();
-    // noise underrated by a factor of four
+    // the stated noise is a quarter of the true noise
     let text = sheet(
         FILE,
         &format!(r#"{TIKHONOV}, {ACTING}, noise: White("0.5 m/s2")"#),
     );
     doubts(&folder.run(&text).unwrap())[0].must_say("the noise is underestimated");
-    // another body
+    // the path is that of a body with another stiffness
     accelerance(
         folder.path(),
         Body {
@@ -207,7 +209,7 @@ fn noise_alone_is_no_force() {
     let none = "none of 1 hits of the record is accepted: the log states why";
     assert_eq!(refusal(&outcome), none);
     assert!(!outcome.log[0].accepted && !outcome.log[0].reasons.is_empty());
-    // if no checks are requested, warnings about the peak and the discrepancy show the same faults
+    // without criteria for the hit, the record is evaluated with warnings
     let text = sheet(FILE, &format!(r#"{ACTING}, noise: White("2 m/s2")"#));
     let outcome = folder.run(&text).unwrap();
     let warnings = &outcome.warnings;
@@ -277,9 +279,10 @@ fn what_cannot_be_is_refused_where_it_stands() {
     ");
 }
 
-/// Five measured hits: the force of each is reconstructed from its response and the other four, and
-/// lies inside its band. Four peaks are found within 0.4 % and that of the hardest hit within
-/// 0.8 %; the root mean square difference of the histories is at most 0.33 % of the peak.
+/// Five measured hits: the force of each is reconstructed from its response and the other four
+/// hits, and the measured force lies inside its band. Four of the largest samples agree within 0.4
+/// % and that of the hardest hit within 0.8 %; the root mean square difference of the histories is
+/// at most 0.33 % of the peak.
 #[test]
 fn a_measured_blow_comes_back_from_the_other_hits() {
     let Some(hammer) = measured::folder().map(|data| data.join("hammer")) else {
@@ -310,7 +313,8 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
         let measured = ForceHistory::new(0.0, 1.0 / 25.6e3, measured.to_vec()).unwrap();
         let largest = measured.interpolated_peak().force;
         let (peak, error) = estimate(&outcome, "peak force");
-        // the error is that between blows, four of them: 99 % of Student's t
+        // tolerance: the two-sided 99 % quantile of Student's t for four hits, from whose scatter
+        // the error is estimated
         assert!((peak - largest).abs() < 5.8 * error, "{left_out}");
         let difference = "root mean square difference from the measured force";
         let difference = quantity(&outcome, difference).value.unwrap();
@@ -321,8 +325,8 @@ fn a_measured_blow_comes_back_from_the_other_hits() {
     }
 }
 
-/// The path is that of a body with a 2 % lower frequency, and all settings are default: the force
-/// is nearly right, but does not reproduce the response.
+/// All settings are default. With the path of the body the result is answered; with that of a body
+/// whose frequency is 2 % lower it is in doubt, because the force does not reproduce the response.
 #[test]
 fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     let folder = struck("blow", BODY, BLOW);
@@ -340,8 +344,8 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     doubts(&doubted)[0].must_say("the frequency response belongs to another body");
 }
 
-/// Eight calibration hits and a hit with 0.3 % of noise, evaluated in a band from 20 Hz: peak and
-/// impulse are within their errors, which are small.
+/// Eight calibration hits and another hit, with noise of 0.3 % of the peak, in a band from 20 Hz to
+/// 5 kHz: peak and impulse agree with the true values within their errors, which are below 5 %.
 #[test]
 fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
     let noise = 0.9;
@@ -356,7 +360,8 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
         strike(folder.path(), "blow", BODY, by(seed + 1, BLOW));
         let text = sheet(HITS, r#"band: (from: "20 Hz", to: "5 kHz")"#);
         let outcome = answered(folder.run(&text));
-        // the top of the cosine is at 4.15 ms, 0.48 samples after the nearest
+        // expected peak: the raised cosine, whose top is at 4.15 ms, at the nearest sample, 0.48
+        // sample intervals from the top
         let beside = 4.15e-3 - (4.15e-3 * RATE).round() / RATE;
         let highest = 300.0 * (PI * beside / 0.3e-3).cos().powi(2);
         for (name, right, all) in [
@@ -368,14 +373,15 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
             all.push(((found - right) / error).abs());
         }
     }
-    // four values each: one of them exceeds 3.5 once in 500 times
+    // tolerance: one of eight standard normal values exceeds 3.5 in magnitude with a probability of
+    // 0.4 %
     assert!(
         peaks.iter().chain(&impulses).all(|z| *z < 3.5),
         "{peaks:?} {impulses:?}"
     );
 }
 
-/// The record of the hit is clipped at 60 % of the peak.
+/// The response to the hit is clipped at 60 % of its peak.
 #[test]
 fn a_clipped_blow_is_in_doubt() {
     let folder = blow_and_hits();
@@ -395,7 +401,8 @@ fn a_clipped_blow_is_in_doubt() {
     reasons.must_say("the impact: clipped: `face`");
 }
 
-/// The spectrum of a raised cosine of 0.3 ms has its first zero at 6.7 kHz.
+/// The spectrum of a raised cosine of 0.3 ms has its first zero at 6.7 kHz: a band up to 5 kHz cuts
+/// it off, a band up to 7 kHz does not.
 #[test]
 fn a_band_that_ends_below_the_content_of_the_blow_is_named() {
     let noise = 0.9;
@@ -414,8 +421,9 @@ fn a_band_that_ends_below_the_content_of_the_blow_is_named() {
 const TWO: &str = r#"record: (files: ["blow1.csv"], channels: [(name: "face", from: "acceleration"), (name: "tail", from: "behind"), (name: "hammer", from: "force")]),
     response: "face", compare_with: "hammer""#;
 
-/// The force is determined from two responses: at 1424 Hz, the antiresonance of the struck mass,
-/// its response contains no information on the force, but that of the other mass does.
+/// The force is determined from two responses. At 1424 Hz, the antiresonance of the struck mass,
+/// the response of this mass contains no information on the force, but the response of the other
+/// mass does.
 #[test]
 fn two_responses_tell_what_one_does_not() {
     let folder = blow_and_path();
@@ -451,14 +459,16 @@ fn two_responses_tell_what_one_does_not() {
     };
     let (one, one_square) = worst(&by("").unwrap());
     let (two, two_square) = worst(&by(&both).unwrap());
-    // at the line at 1425 Hz, |H| is 0.02 of that of the mass alone
+    // at 1425 Hz, |H| of the struck mass is 0.02 of that of a free mass, so that its response alone
+    // gives a large error
     assert!(two < 0.5 * one, "{two} and {one}");
-    // the mean square of 236 numbers, from 118 lines, is known to 9 %
+    // tolerance: the mean square of 236 independent values, from 118 complex lines, is known to 9 %
     assert!(
         (one_square - 1.0).abs() < 0.4 && (two_square - 1.0).abs() < 0.4,
         "{one_square} {two_square}"
     );
-    // weights need the noise, and a path from a file needs a file for each response
+    // a further response is refused without its noise, without a path of its own if the path is
+    // from a file, and with a name that is used already or unknown
     for (wrong, expected) in [
         (
             both.replace(r#", noise: White("2 m/s2")"#, ""),
@@ -479,8 +489,7 @@ fn two_responses_tell_what_one_does_not() {
     }
 }
 
-/// Two responses with calibration hits: each hit is reconstructed from the others and both
-/// responses.
+/// Two responses calibrated by the same hits reduce the error of the impulse by a factor of √2.
 #[test]
 fn two_responses_are_calibrated_by_the_same_hits() {
     let folder = blow_and_hits();
@@ -501,7 +510,8 @@ fn two_responses_are_calibrated_by_the_same_hits() {
         assert!((peak - 300.0).abs() < 4.0 * error, "{peak} {error}");
     }
     let error = |outcome| quantity(outcome, "impulse").standard_error.unwrap();
-    // below the resonance both masses move alike, so that the impulse is the mean of two sensors
+    // below the resonance both masses move alike, so that the impulse follows from the mean of two
+    // sensors
     assert!(
         (error(&two) / error(&one) * 2.0_f64.sqrt() - 1.0).abs() < 0.2,
         "{} {}",

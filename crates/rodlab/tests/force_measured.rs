@@ -95,18 +95,19 @@ fn a_measured_body_presses_as_the_body_itself() {
     let outcome = answered(folder.run(&text));
     let exact = truth(5e-3);
     let at = |time: f64| exact[(time * 1e6).round() as usize];
-    // the two masses stay in contact: velocity and force decay with 1.5 ms and ring at 1.7 kHz
+    // the two masses stay in contact: velocity and force decay with a time constant of 1.5 ms and
+    // ring at 1.7 kHz
     let time = column(&outcome, "force", "time");
     let force = column(&outcome, "force", "force");
     for (t, f) in time.iter().zip(force) {
-        // because the band ends at 6 kHz, the initial jump of 2 kN rings; after 0.5 ms the
-        // remainder is 1/(2 pi 6 kHz 0.5 ms) = 5 % of it
+        // tolerance: the band ends at 6 kHz, so that the force rings after the initial jump of 2
+        // kN; 0.5 ms later the amplitude is 1/(2 pi^2 6 kHz 0.5 ms) = 1.7 % of the jump
         if *t > 0.5e-3 && *t < 4.9e-3 {
             let exact = at(*t);
             assert!((f - exact).abs() < 0.03 * 2e3, "{t}: {f}, exact {exact}");
         }
     }
-    // the stick force on lines with its errors
+    // the band of the stick force, which is computed on lines
     let [time, force, errors, lower, upper] = [
         "time",
         "stick force",
@@ -161,7 +162,7 @@ fn a_projection_says_what_it_has_changed() {
         let (outcome, after) = peak(projection);
         let name = format!("problem.first: change to the nearest {onto} body, in standard errors");
         let change = quantity(&outcome, &name);
-        // at the end of the band, lines that are almost exact change by many of their errors
+        // tolerance: at the end of the band, lines with very small errors change by many of them
         let moved = change.value.unwrap();
         assert!(
             change.valid && moved < 15.0 && (onto == "passive" || moved > 1.0),
@@ -181,7 +182,8 @@ fn more_error_of_the_scale_is_more_error_of_the_force() {
         let first = FIRST.replace("1 %", scale);
         let text = sheet(&first, "uncertainty: (draws: 60)");
         let outcome = folder.run(&text).unwrap();
-        // the face is a mass: the initial jump is Z V whatever its scale, the later force is not
+        // the face is a mass: the initial jump Z V does not depend on the scale of the mobility,
+        // but the later force does
         let errors = column(&outcome, "stick_force", "standard error");
         let later = column(&outcome, "stick_force", "time")
             .iter()
@@ -283,7 +285,8 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
     for (a, b) in ours.iter().zip(theirs) {
         assert!((a - b).abs() < 2e-3 * peak, "{a}, in one piece {b}");
     }
-    // the scale of the bit alone, behind a rod that is known: less than 1 % of the force
+    // the error comes from the scale of the bit alone, behind a rod with exact properties: less
+    // than 0.5 % of the force
     let (_, error) = estimate(&found, "peak force in the band");
     assert!(
         error > 1e-5 * peak && error < 5e-3 * peak,

@@ -69,8 +69,7 @@ fn history(n: usize, force: impl Fn(f64) -> f64) -> Record {
     history_of(Quantity::Acceleration, n, force)
 }
 
-/// Force and a motion of the struck mass, by the method of Runge and Kutta with 16 steps per
-/// sample.
+/// Force and a motion of the struck mass, by the Runge-Kutta method with 16 steps per sample.
 fn history_of(quantity: Quantity, n: usize, force: impl Fn(f64) -> f64) -> Record {
     const STEPS: usize = 16;
     let h = 1.0 / RATE / STEPS as f64;
@@ -152,7 +151,7 @@ fn write_hits(folder: &Path, n_hits: u64, duration: f64, density: f64) {
     write_hits_from(0, folder, n_hits, duration, density);
 }
 
-/// Writes hits; another first `seed` gives other noise.
+/// Writes hits; the noise of hit `n` has the seed `seed + n`.
 fn write_hits_from(seed: u64, folder: &Path, n_hits: u64, duration: f64, density: f64) {
     for hit in 0..n_hits {
         let peak = 150.0 + 10.0 * hit as f64;

@@ -160,7 +160,7 @@ fn what_is_no_level_or_stretch_says_why() {
     1:13-1:23: Unexpected field named `doubel_hit` in `CriteriaSheet`, expected one of `kind`, `force_channel`, `full_scales`, `peak_over_noise`, `double_hit`, `clipped_run`, `drop_out_run`, `static_offset`, `level_shift`, or `remainder` instead
     1:18: Unexpected missing field named `because` in `RulingSheet`
     "#);
-    // a trigger that makes no sense at this rate
+    // a pre-trigger that is longer than the hit
     let short = r#"(cut: Trigger(level: "20 N", length: "5 ms", pre_trigger: "10 ms"))"#;
     let (short, records) = (sheet(short).unwrap(), vec![record("a.npy", 0.0)]);
     let error = short.find(records, "hammer", "hits").unwrap_err();

@@ -59,7 +59,7 @@ fn a_double_hit_is_rejected_with_its_reason_and_a_hand_can_decide_otherwise() {
 #[test]
 fn a_long_record_is_cut_by_a_trigger() {
     let folder = Folder::new();
-    // a blow every 0.6 s, the last one cut
+    // five hits, one every 0.6 s; the record ends during the last
     let long = history(5 * N + 800, |t| {
         (0..5)
             .map(|hit| {
@@ -126,7 +126,7 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
     let rejected = frf(&folder, "hit_*.npy", by_hand).unwrap();
     let reason = refusal(&rejected);
     insta::assert_snapshot!(reason, @r"the only hit is rejected (hit 1, hit_0.npy: rejected by hand: the rod was held)");
-    // the partial results exist
+    // the log and the figure of the hits are kept
     assert_eq!(rejected.log.len(), 1);
     figures_of(&rejected).must_say("hits");
 }
@@ -146,7 +146,7 @@ fn noise_alone_has_no_response() {
     let outcome = frf(&folder, "hit_*.npy", &format!("{BAND} {unchecked}")).unwrap();
     let (valid, _) = quantity(&outcome, "valid lines, struck end");
     // one line of noise in twenty is coherent by chance, but only one in 9 million exceeds four
-    // standard errors; the median of the errors of 17 lines is known to 15 %
+    // standard errors
     assert!(valid < 0.1, "{valid}");
     let reason = refusal(&outcome);
     insta::assert_snapshot!(reason, @r"no more lines between 20 Hz and 1.2 kHz are coherent with `hammer` than noise alone would give");
@@ -226,7 +226,8 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
 #[test]
 fn the_template_with_its_optional_fields_is_a_sheet() {
     let text = include_str!("../../templates/frf.ron");
-    // with all that is commented out but the alternatives and the second hammer's ellipsis
+    // uncomments all fields except the alternatives and the second hammer, which contains an
+    // ellipsis
     let mut all = String::new();
     for line in text.lines() {
         let bare = line.trim_start();
@@ -278,8 +279,9 @@ fn the_measured_hits_have_the_coherence_that_is_known_of_them() {
     assert!((0.997..1.0).contains(&mean), "{mean}");
 }
 
-/// What is doubted of eight hits of 150 to 220 N, changed by `change` of hit and samples before they
-/// are recorded and by `after` of index and sample of the response afterwards.
+/// Reasons for doubt about eight hits of 150 to 220 N. `change` receives the number and the samples
+/// of a hit before it is recorded, `after` the number and the value of each recorded sample of the
+/// response.
 fn doubts_of(
     change: impl Fn(u64, &mut Array2<f64>),
     after: impl Fn(usize, f64) -> f64,
@@ -315,8 +317,8 @@ fn a_window_of_the_analyser_is_found_by_the_noise() {
     let doubts = doubts_of(|_, _| {}, |n, x| x * window(n));
     doubts.must_begin("the noise of `struck end` falls from ");
     doubts.must_say("the analyser has applied a window");
-    // the noise after the hit then differs from that before it, but no two hits are reported as
-    // copies
+    // the window makes the noise after the hit smaller than that before it, but no two hits are
+    // reported as copies
     assert!(!doubts.iter().any(|said| said.contains("stored twice")));
 }
 

@@ -3,8 +3,8 @@
 use super::*;
 use crate::runs::{Folder, Words, answered, doubts};
 
-/// A folder with hits in N and the unit of `quantity`, in records of `n` samples, with `noise` relative to
-/// the peak on the motion and a tenth of that on the force; `change` modifies a hit.
+/// A folder with hits in N and the unit of `quantity`, in records of `n` samples, with `noise`
+/// relative to the peak on the motion and a tenth of that on the force; `change` modifies a hit.
 fn motions(
     quantity: Quantity,
     (count, n, noise): (u64, usize, f64),
@@ -32,12 +32,12 @@ fn motions(
     folder
 }
 
-/// Accelerations as they are.
+/// Hits with accelerations, as in [`motions`].
 fn accelerations(count: u64, n: usize, noise: f64) -> Folder {
     motions(Quantity::Acceleration, (count, n, noise), |_, _| {})
 }
 
-/// A force from its response in this unit and from hits.
+/// A sheet for the force from a response in `unit`, with calibration hits.
 fn force(unit: &str, of_path: &str, rest: &str) -> String {
     let channels = format!(
         r#"sampling_rate: "8192 Hz", channels: [(name: "hammer", from: 1, unit: "N"), (name: "struck end", from: 2, unit: "{unit}")]"#
@@ -49,7 +49,7 @@ fn force(unit: &str, of_path: &str, rest: &str) -> String {
     )
 }
 
-/// Names one of the hits a blow.
+/// Renames a hit to `blow.npy`, the record whose force is to be determined.
 fn take_as_blow(folder: &Folder, hit: &str) {
     fs::rename(folder.file(hit), folder.file("blow.npy")).unwrap();
 }
@@ -69,8 +69,8 @@ fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
     let (mean, beyond) = spread(&outcome, "mobility", |f| {
         accelerance(on_axis(f)) / on_axis(f)
     });
-    // noise of 0.2 % exceeds the aliasing of a hit without an anti-alias filter; as for an
-    // acceleration, 1.25 ± 0.3 and 4.8 % ± 3.6 % are expected
+    // the noise of 0.2 % is larger than the aliasing of a hit without an anti-alias filter; the
+    // limits contain the expected 1.125 and 3.6 % of ten hits, as for accelerations
     assert!((mean - 1.25).abs() < 0.3, "{mean}");
     assert!((beyond - 0.048).abs() < 0.036, "{beyond}");
 }
@@ -78,19 +78,20 @@ fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
 #[test]
 fn s1_a_force_comes_back_from_the_velocity_of_a_free_body() {
     let folder = motions(Quantity::Velocity, (9, N, 1e-3), |_, _| {});
-    // the last of them is the blow, 230 N
+    // the force of the last hit, 230 N, is to be determined
     take_as_blow(&folder, "hit_08.npy");
     let smooth = r#", regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation), acting: (from: "48 ms", to: "53 ms")"#;
     let outcome = run(&folder, &force("m/s", "", smooth)).unwrap();
-    // a squared sine has half its peak in the mean of its millisecond
+    // the impulse of a squared sine is half its peak of 230 N times its duration of 1 ms
     let (impulse, error) = quantity(&outcome, "impulse");
-    // a step truncated on one side, to 0.45 s of 0.5 s, would leave out a tenth
+    // tolerance: if the step of the velocity were cut off after 0.45 s of the record of 0.5 s, a
+    // tenth would be missing
     assert!((impulse / 0.115 - 1.0).abs() < 0.02, "{impulse} {error:?}");
 }
 
 #[test]
 fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
-    // 44 ms after the blow the mode has fallen to 8 %
+    // the records end 44 ms after the hit, when the mode has decayed to 8 %
     let folder = accelerations(6, 768, 1e-4);
     let refused = run(&folder, &sheet_in("m/s^2", "")).unwrap();
     refused.summary[0].must_say("not decayed");
@@ -103,9 +104,10 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let lines = response(&taken, "accelerance");
     for ((f, value), (random, leak)) in lines.into_iter().zip(random.iter().zip(leaks)) {
         let truth = accelerance(on_axis(f) + decay);
-        // 8 % of the mode remain, with 12 % of the weight of the hit: this leakage, 0.01 1/kg at
-        // 250 Hz, is stated. The noise before the hit has twelve times the weight of the hit; of
-        // 110 lines of six hits none exceeds 8 errors (probability 1e-4 per line)
+        // 8 % of the mode remain at the end, with 12 % of the weight of the hit: the result states
+        // this leakage, 0.01 1/kg at 250 Hz. The noise before the hit has twelve times the weight
+        // of the hit. Tolerance: of 110 lines of six hits none exceeds 8 errors (probability 1e-4
+        // per line)
         let errors = (0.08 * std::f64::consts::SQRT_2 * random).hypot(0.02 * leak);
         let error = (value - truth).norm();
         assert!(error < 0.002 + errors * value.norm(), "{f} {error}");
@@ -115,7 +117,7 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let refused = run(&folder, &force("m/s^2", "", "")).unwrap();
     refused.summary[0].must_say("record longer, or state `problem.path.exponential_window`");
 
-    // 75 ms: 1.4 %, of a mode that is a fraction of the peak
+    // the records end 75 ms after the hit, when the mode has decayed to 1.4 %
     let folder = accelerations(6, 1024, 1e-4);
     let stated = run(&folder, &sheet_in("m/s^2", "")).unwrap();
     stated
@@ -130,8 +132,8 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
         let error = 100.0 * (value / accelerance(on_axis(*f)) - 1.0).norm();
         held += f64::from(u8::from(error < 2.0 * leak.hypot(1.41 * random)));
     }
-    // twice the combined error contains 98 % of the lines for noise alone; the leakage is known
-    // only to a fraction of itself
+    // tolerance: for noise alone, twice the combined error contains 98 % of the lines; the leakage
+    // is known only roughly
     assert!(
         held > 0.95 * lines.len() as f64,
         "{held} of {}",
@@ -152,7 +154,8 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
         spread(outcome, "accelerance", |f| accelerance(on_axis(f) + decay)).0
     };
     let outcome = answered(run(&folder, &sheet_in("m/s^2", windows)));
-    // 8/7 F(2, 14): 1.33, with the level at rest of 300 samples beside
+    // tolerance: the mean of 8/7 F(2, 14) is 1.33, and the rest level, a mean of 300 samples, has
+    // an error, too
     let mean = off_axis(&outcome);
     assert!(mean < 2.0, "{mean}");
     // without subtraction of the level, the effect is reported and puts the result in doubt
@@ -167,7 +170,7 @@ fn s8_an_offset_is_taken_off_by_the_rest_and_a_line_is_not_without_a_word() {
 #[test]
 fn s9_windows_that_cut_the_hit_put_the_result_in_doubt() {
     let folder = accelerations(8, N, 1e-4);
-    // a third of the blow of 1 ms from 50 ms on
+    // the window ends in the first third of the hit, which lasts from 50 ms to 51 ms
     let cut = r#"force_window: (start: "45 ms", end: "50.3 ms", taper: "0.1 ms"),"#;
     for choice in [cut, "window: Hann,"] {
         let outcome = run(&folder, &sheet_in("m/s^2", choice)).unwrap();
@@ -204,7 +207,7 @@ fn s11_the_odd_hit_is_named_and_left_out_by_choice() {
     assert!((quantity(&left_out, "averages").0 - 9.0).abs() < 1e-12);
     left_out.log[3].reasons[0].must_say("departs");
     let (mean, _) = spread(&left_out, "accelerance", |f| accelerance(on_axis(f)));
-    // the mean of 9/8 F(2, 16) is 1.29; with the inverted hit it would be some thousands
+    // tolerance: the mean of 9/8 F(2, 16) is 1.29; with the inverted hit it would be thousands
     assert!(mean < 2.5, "{mean}");
 }
 
@@ -255,14 +258,15 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
         let rest = r#"regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation), acting: (from: "48 ms", to: "53 ms"),"#;
         let outcome = run(&folder, &by_file(rest)).unwrap();
         let (impulse, error) = quantity(&outcome, "impulse");
-        // the mean of a squared sine over its millisecond is half its peak of 150 N; with the lines
-        // taken as those on the frequency axis it would be 0.089
+        // the impulse of a squared sine is half its peak of 150 N times its duration of 1 ms; if
+        // the lines were assumed to be on the frequency axis, it would be 0.089
         assert!(
             (impulse / 0.075 - 1.0).abs() < 0.02,
             "{file}: {impulse} {error:?}"
         );
     }
-    // the same from the hits, the first of which is the blow, whose response is that of a velocity
+    // the same impulse follows from velocities: the first hit is the one whose force is determined,
+    // the others are calibration hits
     let folder = motions(Quantity::Velocity, (7, N, 1e-3), |_, _| {});
     take_as_blow(&folder, "hit_00.npy");
     let (window, compared) = (

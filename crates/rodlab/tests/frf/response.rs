@@ -4,7 +4,7 @@ use super::*;
 use crate::runs::{Folder, Words, answered, doubts, figures_of, tables_of};
 use testbed::difference::largest;
 
-/// Values that are all this one.
+/// Fails unless all values are `expected`.
 #[track_caller]
 fn all_are(values: &[f64], expected: f64) {
     let worst = largest(values.iter().map(|value| value - expected));
@@ -92,13 +92,13 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
     let said = properties.find(|(field, _)| field == "uff58.id3");
     assert_eq!(said.unwrap().1, "averages: 3");
 
-    // and a mobility read from it has them all
+    // a mobility read from the file has the same errors and degrees of freedom
     folder.write("frf.uff", &attachment.bytes);
     let read = run(&folder, r#"Mobility(title: "read", source: File(file: "frf.uff"), support: Free(mass: "2 kg ± 1 %"), up_to: "1.2 kHz")"#)
     .unwrap();
     let random = "random error of the magnitude";
     let written = column(&outcome, "response_struck_end", random);
-    // the first line of the band is the tenth of the mobility, behind 0 Hz
+    // the band begins at 20 Hz, which is line 10 of the mobility; line 0 is at 0 Hz
     let again = column(&read, "mobility", "standard error of the magnitude");
     for (there, here) in written.iter().zip(&again[10..]) {
         assert!((there / here - 1.0).abs() < 1e-9);
@@ -109,7 +109,7 @@ fn the_universal_file_holds_the_response_and_its_coherence() {
     all_are(&common[10..], 100.0 * sensors);
 }
 
-/// A second hammer with a sensitivity of its own, 10 % off or right.
+/// A sheet with a second hammer of this sensitivity, which is right or 10 % off.
 fn second_of(sensitivity: &str, merge: &str) -> String {
     let second = records("hard/*.npy").replace("2 mV/N ± 1 %", sensitivity);
     let rest = format!("{BAND} second_hammer: (records: {second}{merge}),");
@@ -122,7 +122,7 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
     write_hits(&folder.file("soft"), 5, 2e-3, NOISE);
     write_hits_from(50, &folder.file("hard"), 5, 0.7e-3, NOISE);
     let outcome = answered(run(&folder, &second_of("2 mV/N ± 3 %", "")));
-    // between what the first and the second pair of sensors give, as the shares are
+    // the common error is the mean of those of both hammers, weighted by their shares
     let common = column(&outcome, "response_struck_end", "error that lines share");
     let shares = column(&outcome, "response_struck_end", "share of the first hammer");
     for (common, share) in common.iter().zip(shares) {
@@ -131,10 +131,10 @@ fn s6_hammers_that_differ_in_gain_are_in_doubt_and_both_sensors_count() {
         assert!((common / expected - 1.0).abs() < 1e-9);
     }
     let outcome = run(&folder, &second_of("2.2 mV/N ± 1 %", "")).unwrap();
-    // a force that is read 10 % too small makes the response 10 % too large
+    // the sensitivity is 10 % too large: the force is too small and the response 10 % too large
     doubts(&outcome).must_say("the second hammer gives 1.10");
     let common = column(&outcome, "response_struck_end", "error that lines share");
-    // ln 1.1 divided by the root of 2, in addition to 2.2 % of the sensors
+    // ln 1.1 divided by √2, 6.7 %, and 2.2 % of the sensors, added in squares
     assert!(
         common.iter().all(|error| (error - 7.1).abs() < 0.2),
         "{}",
@@ -162,7 +162,7 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
         let truth = accelerance(s) / s;
         if *frequency < 20.0 {
             assert_eq!(validity, "of the weighed mass");
-            // the errors are 1 gram of 2 kg and the neglected term (ω/ω_0)⁴ of the mode
+            // tolerance: the errors are 1 gram of 2 kg and the neglected term (ω/ω_0)⁴ of the mode
             assert!((value / truth - 1.0).norm() < 2e-3, "{frequency}");
         } else {
             assert_eq!(validity, "valid");
@@ -178,7 +178,7 @@ fn motions_are_converted_and_a_weighed_mass_carries_the_low_lines() {
 #[test]
 fn two_hammers_are_one_response() {
     let folder = Folder::new();
-    // soft and hard: the first ends where the second begins
+    // a soft hammer for the low frequencies and a hard one for the high frequencies
     write_hits(&folder.file("soft"), 8, 4e-3, NOISE);
     write_hits_from(50, &folder.file("hard"), 8, 0.7e-3, 10.0 * NOISE);
     for merge in ["InverseVariance", "LargerInput"] {
@@ -187,8 +187,8 @@ fn two_hammers_are_one_response() {
             &second_of("2 mV/N ± 1 %", &format!(", merge: {merge}")),
         ));
         let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
-        // the variances are estimated from 8 hits each, and the hammer with the smaller estimate
-        // gets too much weight: the mean is 8/7 to 1.6
+        // tolerance: the variances are estimated from 8 hits each, and the hammer with the smaller
+        // estimate gets too much weight: the mean is between 7/6 and 1.6
         assert!((1.0..1.9).contains(&mean), "{merge} {mean}");
         let shares = column(&outcome, "response_struck_end", "share of the first hammer");
         let frequency = column(&outcome, "response_struck_end", "frequency");

@@ -133,8 +133,8 @@ fn s14_long_random_records_give_the_response_of_the_body() {
     let table = "response_struck_end";
     let [magnitude, phase, lines] = within_two(&outcome, table, accelerance);
     println!("{magnitude} {phase} of {lines}");
-    // 95.45 % are expected for so many averages; of 401 lines a third are independent with a Hann
-    // window, and the limit is three standard errors of 1.8 %
+    // tolerance: 95.45 % of the lines are expected; with a Hann window a third of the 401 lines are
+    // independent, so that the fraction has a standard error of 1.8 %, of which three are allowed
     assert!(magnitude as f64 > 0.90 * lines as f64 && phase as f64 > 0.90 * lines as f64);
     // each record has 19 half-overlapped segments; each independent segment except the first adds
     // two degrees of freedom
@@ -181,7 +181,8 @@ fn s14_inputs_that_act_together_have_a_response_each() {
         assert!(pairs.all(|(all, one)| *all >= one - 1e-12));
         assert!(multiple.iter().sum::<f64>() > 0.9 * lines as f64);
     }
-    // without the second the first carries its part: not coherent, and wrong
+    // without the second shaker as an input, its part of the response is not coherent with the
+    // first
     let alone = shaken_sheet(r#"segments: (length: "8192 samples"),"#);
     let alone = run(&folder, &alone).unwrap();
     let coherence = column(&alone, "response_struck_end", "coherence");
@@ -237,8 +238,8 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
     // for five hits the ratio is distributed as F(2, 8), with the mean 4/3
     assert!((0.9..2.0).contains(&mean), "{mean}");
-    // at sample 1100 the mode has decayed to a hundredth, three thousandths of the peak: the checks
-    // pass, but the record is not at rest
+    // at sample 1100 the mode has decayed to a hundredth, which is three thousandths of the peak:
+    // the checks pass, but the record is not at rest
     cut(1100, "hit_9.npy", 19);
     let moving = frf(&folder, "*.npy", BAND).unwrap_err();
     moving.must_say_all(&[
