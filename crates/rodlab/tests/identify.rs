@@ -74,9 +74,9 @@ fn slow_and_fast(folder: &Folder, truth: &impl InelasticLaw) -> [String; 2] {
     })
 }
 
-/// Length of cells. At the recorder's 16 kHz waves are 106 mm long, and the error of cells of 4 mm
-/// is a fortieth of the noise. The records contain 1.25 ms of rest and two and a half round trips
-/// of the wave.
+/// Length of the cells of the computed rod. At the recorder's cut-off of 16 kHz waves are 106 mm
+/// long, and the error due to cells of 4 mm is a fortieth of the noise. The records contain 1.25 ms
+/// of rest and two and a half round trips of the wave.
 const QUICK: &str = r#"cell: "4 mm""#;
 
 #[test]
@@ -102,7 +102,7 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     ] {
         assert!(is_found(&outcome, name, truth, [3.0, largest]).valid);
     }
-    // a linear law cannot have these two, and its parameters are not those of the material
+    // no linear law describes both impact velocities, so that its parameters are rejected
     is_rejected(&outcome, "Maxwell: viscosity eta");
     assert!(words(&outcome, "laws", "law").contains(&"Maxwell-Norton".to_owned()));
     assert_eq!(figures_of(&outcome), "responses, residuals, profiles");
@@ -119,7 +119,7 @@ fn tests_that_contradict_each_other_are_in_doubt() {
     let truth = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
     let mut tests = slow_and_fast(&folder, &truth);
     let agreeing = answered(folder.run(&sheet(&tests, QUICK)));
-    // a few kelvin between the tests would change the exponent
+    // a warning, because a difference of a few kelvin between the tests would change the exponent
     let unstated = "The temperatures of the tests are not stated";
     agreeing.warnings.must_begin(unstated);
     tests[1] = tests[1].replace(
@@ -145,7 +145,7 @@ fn a_reversed_response_and_a_noise_below_the_converter_are_refused() {
 
 #[test]
 fn one_impact_velocity_cannot_tell_the_laws_apart() {
-    // 0.5 % of the impact velocity
+    // noise of 0.05 m/s, 0.5 % of the impact velocity
     let folder = recorded(&velocities(&Maxwell::new(4e6).unwrap(), 10.0), 0.05, 3);
     let test = test_entry(
         "one.csv",
@@ -238,7 +238,7 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     }
     let said = norton.warnings.join(" ");
     said.must_say_all(&["softer impact", "(cut-off 16.0 kHz)"]);
-    // a linear rod commutes with the filter
+    // for a linear law the order of rod and filter does not matter
     let linear = velocities_of_a_flat_striker(&Maxwell::new(4e6).unwrap(), 10.0);
     linear.write(&folder.file("linear.csv"), 0.02, 3, "m/s", 1.0);
     let test = test_entry("linear.csv", "10 m/s", r#"to: "2.5 ms""#);
@@ -247,8 +247,8 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     assert!(is_found(&maxwell, "Maxwell: viscosity eta", 4e6, [3.5, 0.1]).valid);
 }
 
-/// The same striker, with the filter stated: the law is found with the filter as part of the model,
-/// and the log states the assumption.
+/// A flat striker, with the filter of the recorder stated: the law is found with the filter as part
+/// of the model, and the log states this assumption.
 #[test]
 fn a_stated_recorder_is_part_of_the_model() {
     let folder = Folder::new();
@@ -261,7 +261,7 @@ fn a_stated_recorder_is_part_of_the_model() {
         folder.run(&sheet(&tests, &more))
     };
     let of = |recorder: &str| with(recorder, false);
-    // the law is named, or remains possible together with another nonlinear law
+    // the true law is named alone, or together with another nonlinear law
     let compared = with(r#"LinearPhase(cutoff: "16 kHz")"#, true).unwrap();
     let mut summary = compared.summary.iter();
     let told = summary
@@ -274,7 +274,7 @@ fn a_stated_recorder_is_part_of_the_model() {
     assert!(words.iter().any(|words| told.starts_with(words)), "{told}");
     assert!(quantity(&compared, "Maxwell-Norton: exponent kappa").valid);
     let found = answered(of(r#"LinearPhase(cutoff: "16 kHz")"#));
-    // a rod driven by the record itself would give an E that is 2 % too low and a kappa of 1.8
+    // tolerance: if the rod were driven by the record itself, E would be 2 % too low and kappa 1.8
     for (name, truth, allowed) in [
         ("Maxwell-Norton: Young's modulus E", MODULUS, 0.01 * MODULUS),
         ("Maxwell-Norton: exponent kappa", 2.0, 0.2),
@@ -331,14 +331,14 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
         assert!(is_found(&outcome, name, truth, [3.5, 0.2]).valid);
     }
     is_rejected(&outcome, "Maxwell: viscosity eta");
-    // nothing is called identified that is not valid
+    // only valid quantities are called identified
     for found in &outcome.quantities {
         assert!(found.valid || found.verdict != "identified", "{found:?}");
     }
 }
 
-/// With two per cent of noise and no damping, no law is supported whose damping the data do not
-/// determine.
+/// Records of an elastic rod with 2 % of noise support no law with damping, because they do not
+/// determine the damping.
 #[test]
 fn r24_an_elastic_rod_supports_no_law_of_damping() {
     let folder = recorded(&velocities(&Elastic, 10.0), 0.2, 5);
@@ -380,7 +380,7 @@ fn displacements_are_differentiated_and_give_the_law() {
     let folder = Folder::new();
     let path = folder.file("one.csv");
     let truth = Maxwell::new(4e6).unwrap();
-    // noise of one micrometre, a five-thousandth of the range of 5 mm
+    // noise of 1 µm
     displacements(&truth, 10.0).write(&path, 1e-6, 3, "um", 1e6);
     let test = |more: &str| test_entry("one.csv", "10 m/s", more);
     let only_maxwell = "laws: [Maxwell], compare: false, profiles: false";
@@ -403,11 +403,11 @@ fn displacements_are_differentiated_and_give_the_law() {
              and by more in a thicker one: state `diameter` and `poisson_ratio` of the specimen",
         ]
     );
-    // a transducer that lost the free end
+    // the motion exceeds the range of the transducer
     let short = sheet(&[test(&noise.replace("20 mm", "2 mm"))], only_maxwell);
     let short = folder.run(&short).unwrap();
     short.log[0].reasons.must_begin("the transducer of the");
-    // the same sheet and file, the same result to the last digit
+    // the same sheet and files give the same result to the last digit
     let again = folder.run(&text).unwrap();
     assert_eq!(json(&outcome), json(&again));
     assert_eq!(outcome.figures, again.figures);
@@ -415,7 +415,7 @@ fn displacements_are_differentiated_and_give_the_law() {
 
 #[test]
 fn an_elastic_rod_has_no_damping_to_identify() {
-    // an elastic rod commutes with the filter of the recorder
+    // for an elastic rod the order of rod and filter of the recorder does not matter
     let folder = recorded(&velocities_of_a_flat_striker(&Elastic, 10.0), 0.2, 5);
     let test = test_entry("one.csv", "10 m/s", r#"to: "2.5 ms""#);
     let more = format!("laws: [Maxwell], compare: false, {QUICK}");
@@ -425,7 +425,7 @@ fn an_elastic_rod_has_no_damping_to_identify() {
     assert_eq!(ran.status.code(), Some(1));
     let outcome = folder.run(&text).unwrap();
     insta::assert_snapshot!(refusal(&outcome), @"these data do not determine the damping of any law: within their noise, the rod may be elastic");
-    // the identifiable parameters are identified
+    // the modulus is identified nevertheless
     let name = "Maxwell: Young's modulus E";
     assert!(is_found(&outcome, name, MODULUS, [3.0, 0.005]).valid);
     assert!(!quantity(&outcome, "Maxwell: viscosity eta").valid);

@@ -24,7 +24,7 @@ fn table(range: f64, offset: f64) -> String {
         } else {
             0.0
         };
-        // irregular noise, and values with the digits of a recorder
+        // irregular noise; the values have as many digits as those of a recorder
         let noise = (f64::from(k * k % 1009) * 12.9898).sin();
         let force = (80.0 * blow + 0.05 * noise).clamp(-range, range);
         let acceleration = 5.0 * ring + 0.002 * noise + offset;
@@ -50,7 +50,8 @@ fn a_sound_table_is_described_in_columns() {
     assert!((force.sampling_rate_hz.unwrap() - 10_000.0).abs() < 1e-6);
     let levels = force.levels.unwrap();
     assert_eq!(levels.peak_at, 210);
-    // half a sine during 2 ms of 200 ms has the rms (80²/2 · 0.01)^½; the noise has 0.05/√2
+    // expected: half a sine of 2 ms in a record of 200 ms has the rms (80²/2 · 0.01)^½, to which
+    // noise with the rms 0.05/√2 is added
     assert!((levels.rms - 5.657).abs() < 0.01, "{}", levels.rms);
 }
 
@@ -126,9 +127,9 @@ fn a_row_of_times_is_no_channel() {
     ");
 }
 
-/// A job reads such a column as the times if the rate is stated, and counts the channels after it.
-/// For times in single precision it remains open whether they are times; for a `0` without decimals
-/// it does not.
+/// A first column of even times without a name: the advice states the sampling rate. Rounding to
+/// single precision leaves it open whether the column contains times; a column with nine digits is
+/// read as times, even if it begins with a `0` without decimals.
 #[test]
 fn a_column_without_a_head_is_recognised_as_times() {
     let inspected = |time: &dyn Fn(u32) -> String| {
@@ -180,7 +181,7 @@ fn a_damaged_file_is_read_as_far_as_it_goes() {
     let damaged = format!("{cut}\nthe recorder stopped here\n");
     let inspection = inspect_bytes(damaged.as_bytes(), "cut.csv").unwrap();
     assert!(inspection.series[0].samples > 1900);
-    // the defects are the row that is cut and the remark
+    // the two defects are the row that is cut and the remark
     assert_eq!(inspection.defects.len(), 2, "{:?}", inspection.defects);
     inspection.to_text().must_say("not read:");
 }

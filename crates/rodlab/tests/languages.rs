@@ -58,8 +58,8 @@ fn outcome(path: &Path, text: &str) -> Outcome {
     job::run(&sheet, &Silent, &AtomicBool::new(false)).unwrap()
 }
 
-/// All but virtual tests, whose results name sheets by their extension, and the two longest: after
-/// a sheet is read, its language acts on the list of settings alone. All sheets are compared above.
+/// Results of the examples are equal in TOML and in RON. Virtual tests are left out because their
+/// results name sheets with their extension, and the two longest examples to save time.
 #[test]
 fn results_do_not_depend_on_the_language() {
     let others = ["plan", "striker", "nylon/identify", "drill_string/force"];
@@ -320,7 +320,7 @@ fn campaigns_take_both_languages_and_leave_other_files_alone() {
         "wrong input  d",
         "4 tests:",
     ]);
-    // a pattern takes what it matches
+    // a pattern may match a file that is no sheet
     text(&folder.rodlab("list sheets/*.toml").stdout).must_say("pyproject");
 }
 

@@ -66,11 +66,11 @@ fn hits_give_the_mobility_within_its_errors() {
     let folder = struck("hit", BODY, HAMMER);
     let text = sheet(&all_hits(), WEIGHED);
     let outcome = answered(folder.run(&text));
-    // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines give the mean to
-    // 8 %, and the tails of Student's distribution less accurately
+    // tolerance: the variance of a line is estimated from 8 hits, so that the mean is 7/6; over 156
+    // lines the mean scatters by 8 %, or more because of the tails of Student's distribution
     let found = mean_square_error(&outcome, BODY);
     assert!((0.75..1.75).contains(&found), "{found}");
-    // at least 2 (8 - 1), and hardly more due to truncation of the records
+    // 2 (8 - 1) = 14 degrees of freedom, and few more due to the truncation of the records
     let freedom = column(&outcome, "mobility", "degrees of freedom of the errors");
     let mut known: Vec<f64> = freedom.iter().copied().filter(|n| !n.is_nan()).collect();
     known.sort_by(f64::total_cmp);
@@ -79,7 +79,7 @@ fn hits_give_the_mobility_within_its_errors() {
         "{known:?}"
     );
     let (mass, error) = estimate(&outcome, "mass by the low lines");
-    // the elastic term of fourth order, (f/1.74 kHz)^4 over the lines used, leaves up to 1 %
+    // tolerance: the neglected elastic term of fourth order, (f/1.74 kHz)^4, contributes up to 1 %
     assert!((mass - 1.5).abs() < 4.0 * error + 0.015, "{mass} {error}");
     for check in [
         "mass by the low lines",
@@ -117,7 +117,7 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
     let folder = struck("hit", with_head, HAMMER);
     let source = all_hits();
     let loaded = folder.run(&sheet(&source, WEIGHED)).unwrap();
-    // 40 g are 4 % of the struck mass, and the lines are known better
+    // 40 g are 4 % of the struck mass, more than the errors of the lines
     assert!(mean_square_error(&loaded, BODY) > 10.0);
     let rest = format!(
         r#"{WEIGHED}, head_mass: "40 gram ± 0.5 gram", complete: (below: "100 Hz", fitted_to: "400 Hz")"#
@@ -127,8 +127,8 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
     assert!((0.75..1.75).contains(&found), "{found}");
     for (f, line) in with_frequencies(&outcome) {
         if f > 0.0 && f < 100.0 {
-            // the mass is exact here; the elastic term is (f/1.2 kHz)^2 = 0.7 % at most, and known
-            // to a few percent
+            // tolerance: the mass is exact here; the elastic term is (f/1.2 kHz)^2 = 0.7 % at most,
+            // and known to a few per cent
             let exact = BODY.mobility(f);
             assert!((line / exact - 1.0).norm() < 1e-3, "{f} Hz");
         }
@@ -141,8 +141,8 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
         &outcome,
         "largest change by the uncertainty of the head mass",
     );
-    // dG/G = i omega G dm, largest at the resonance below 5 kHz: of the order of 0.5 g divided by
-    // the modal mass
+    // expected: dG/G = i omega G dm is largest at the resonance below 5 kHz, of the order of 0.5 g
+    // divided by the modal mass
     assert!((0.05..5.0).contains(&change.value.unwrap()), "{change:?}");
 }
 
@@ -161,14 +161,14 @@ fn r11_a_sensor_the_wrong_way_round_and_a_wrong_mass_put_a_mobility_in_doubt() {
     said.must_say_all(&["screening: ", "generate energy"]);
     assert!(outcome.quantities.iter().all(|quantity| !quantity.valid));
     words(&outcome, "mobility", "validity").must_say("generates energy");
-    // weighed with the wrong body on the balance
+    // a wrong mass is stated, as if another body had been weighed
     let wrong = WEIGHED.replace("1.5 kg", "1.8 kg");
     let outcome = folder.run(&sheet(&source, &wrong)).unwrap();
     assert!(!quantity(&outcome, "mass by the low lines").valid);
     let said = doubts(&outcome).join("; ");
     said.must_begin("screening: ");
     said.must_say("1.8");
-    // nothing is said of what holds it
+    // no support is stated
     let outcome = folder.run(&sheet(&source, "")).unwrap();
     assert_eq!(
         outcome.warnings,
@@ -192,7 +192,7 @@ fn s5_a_wrong_mass_is_named_though_it_made_the_low_lines() {
     assert_eq!(right.verdict, Verdict::Answered);
     let wrong = of("2.25 kg");
     let mass = quantity(&wrong, "mass by the low lines");
-    // without a support it is 1.5 kg; the error of the fit is 2e-4
+    // the lines that were measured give 1.5 kg
     assert!(
         !mass.valid && (mass.value.unwrap() - 1.5).abs() < 0.05,
         "{mass:?}"
@@ -202,7 +202,7 @@ fn s5_a_wrong_mass_is_named_though_it_made_the_low_lines() {
 
 #[test]
 fn s12_a_channel_that_is_5_us_early_or_late_is_found() {
-    // 0.05 % of the peak of the accelerometer
+    // noise of 0.05 % of the peak of the accelerometer
     let hammer = Hammer {
         noise: 0.1,
         ..HAMMER
@@ -269,7 +269,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     let folder = struck("hit", BODY, HAMMER);
     let hit = folder.read("hit3.csv");
     folder.write("soft_hit.csv", &hit);
-    // other bytes, the same numbers
+    // a file with other bytes but the same numbers
     folder.write("hit9.csv", hit.clone() + "\n");
     let one = sheet(&all_hits(), WEIGHED);
     let said = folder.run(&one).refused();
@@ -279,7 +279,7 @@ fn r10_one_hit_in_two_files_is_refused_in_one_hammer_and_in_two() {
     let two = two_hammers(&hits("soft*.csv"), &hits("hit*.csv"));
     let said = folder.run(&sheet(&two, WEIGHED)).refused();
     said.must_say("have the same content");
-    // the same if a file is listed for both hammers
+    // a file that is listed for both hammers is refused as well
     let two = two.replace("soft*.csv", "hit[12].csv");
     let said = folder.run(&sheet(&two, WEIGHED)).refused();
     insta::assert_snapshot!(said, @"hit 1, hit1.csv and hit 1, hit1.csv have the same samples: they are one measurement, expected independent measurements: remove one of the two from the sheet");
@@ -303,8 +303,8 @@ fn a_soft_and_a_hard_hammer_become_one() {
         let source = two_hammers(&hits("soft*.csv"), &high);
         let outcome = folder.run(&sheet(&source, WEIGHED)).unwrap();
         let found = mean_square_error(&outcome, BODY);
-        // because the weights are estimated from 8 hits each, the stated variance is too small by
-        // up to a half
+        // tolerance: the weights are estimated from 8 hits each, so that the stated variance is too
+        // small by up to a half
         assert!((0.7..2.5).contains(&found), "{merge}: {found}");
         let share = column(&outcome, "mobility", "weight of the light hammer");
         for (f, share) in column(&outcome, "mobility", "frequency")
@@ -312,8 +312,8 @@ fn a_soft_and_a_hard_hammer_become_one() {
             .zip(share)
             .skip(1)
         {
-            // the pulses have the same height: the spectrum of the long one is larger below about
-            // the inverse of its duration
+            // the pulses have the same height, so that the long one has the larger spectrum below
+            // about the inverse of its duration
             if merge == "LargerForce" && *f < 400.0 {
                 assert!(share.abs() < 1e-12, "{f} Hz");
             } else if merge == "LargerForce" && *f > 1100.0 {
@@ -347,7 +347,8 @@ fn a_computed_mass_has_its_mobility_and_its_impulse_response() {
     let Cells::Numbers(impulse) = &outcome.tables[1].columns[1].cells else {
         unreachable!("numbers");
     };
-    // the damped transform rounds the jump at time 0: an error of 3e-5 remains one step later
+    // tolerance: the damped transform rounds the jump at time 0, with an error of 3e-5 one step
+    // later
     assert!(impulse.iter().all(|v| (v * 2.0 - 1.0).abs() < 5e-5));
 }
 

@@ -48,7 +48,7 @@ fn sheet(method: &str, rest: &str) -> String {
     )
 }
 
-/// `hits.npy` with so many hits on the rod.
+/// A folder with `hits.npy`, which contains `count` hits on the rod.
 fn hits(count: usize, seed: u64) -> Folder {
     let folder = Folder::new();
     virtual_rod::write_hits(folder.path(), count, seed);
@@ -102,8 +102,8 @@ fn check_lines(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f
         count += 1;
     }
     assert!(count > 0);
-    // the standard errors include those of the specimen, which the records do not have: the mean
-    // square is at most that of noise alone
+    // tolerance: the standard errors include those of the specimen, which the records do not have,
+    // so that the mean square is at most that of noise alone
     let mean_square = squares / f64::from(count);
     assert!(mean_square < 1.5, "{mean_square} of {count} lines");
     (usize::try_from(count).unwrap(), mean_square)
@@ -139,13 +139,13 @@ fn check_causal(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, 
 #[test]
 fn the_template_is_a_sheet_that_runs() {
     let folder = hits(6, 2);
-    // these records are one long file, of sensors of 0.5 mV/g
+    // the records are one long file, of sensors of 0.5 mV/g
     let template = include_str!("../templates/modulus.ron")
         .replace("hit-*.npy", "hits.npy")
         .replace("10 mV/g", "0.5 mV/g")
         .replace("        // hits: (cut", "        hits: (cut");
     let outcome = answered(folder.run(&template));
-    // two sensitivities of 1 % each, which the lines determine better
+    // the lines determine the ratio of the sensitivities better than the stated 1 % of each
     let gain = quantity(&outcome, "error of the ratio of the sensitivities, found");
     assert!(gain.standard_error.unwrap() < 0.1, "{gain:?}");
     let columns: Vec<&str> = table(&outcome, "budget")

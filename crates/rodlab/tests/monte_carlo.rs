@@ -6,7 +6,8 @@ use rodlab::{Outcome, RodlabError};
 
 use crate::runs::{Folder, Refused, Words, column, table, words};
 
-/// The sheet of an example in its folder with `draws`, after `change`.
+/// The result of an example whose sheet is changed by `change`, with this number of Monte Carlo
+/// draws.
 fn drawn(
     folder: &Folder,
     sheet: &str,
@@ -46,12 +47,12 @@ fn errors_of_a_modulus_are_the_scatter_of_its_draws() {
             .zip(of("standard error"));
         let ratios: Vec<f64> = pairs.map(|(drawn, linear)| drawn / linear).collect();
         let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-        // common errors are drawn 200 times for all lines together, so that each ratio scatters by
-        // 5 %, most of it common to all lines
+        // tolerance: common errors are drawn 200 times for all lines together, so that each ratio
+        // scatters by 5 %, most of it common to all lines
         assert!((mean - 1.0).abs() < 0.15, "{name}: {mean}");
         let valid = verdicts(lines);
         for (ratio, valid) in ratios.iter().zip(valid) {
-            // the ratio scatters by 5 %; the limit is about five times as large
+            // tolerance: about five times the scatter of a ratio
             assert!(!valid || (ratio - 1.0).abs() < 0.3, "{name}: {ratio}");
         }
     }
@@ -75,7 +76,7 @@ fn draws_do_not_depend_on_the_number_of_threads() {
     assert_eq!(alone, with(3));
 }
 
-/// The example of the epoxy, with the temperatures within 10 K of its reference alone.
+/// The epoxy example with only the temperatures within 10 K of its reference.
 fn epoxy() -> Folder {
     let folder = Folder::of_example("epoxy");
     let sweep = folder.read("sweep.csv");
@@ -86,7 +87,8 @@ fn epoxy() -> Folder {
     folder
 }
 
-/// A force, whose own bands are by draws, and laws of a sweep over temperatures.
+/// Linear errors of a force, of a fitted law and of the modulus of a bar equal the scatter of Monte
+/// Carlo draws.
 #[test]
 fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
     let [cone, bar] = ["cone", "polymer_bar"].map(Folder::of_example);
@@ -100,7 +102,8 @@ fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
         let at = names.position(|own| own == number).unwrap();
         let linear = column(&outcome, "monte_carlo", "standard error")[at];
         let ratio = column(&outcome, "monte_carlo", "Monte Carlo standard error")[at] / linear;
-        // four standard errors of the scatter of 60 draws, and that of the 200 of the force itself
+        // tolerance: four standard errors of the scatter of 60 draws, and of the 200 draws from
+        // which the error of the force follows
         assert!((ratio - 1.0).abs() < 0.4, "{number}: {ratio}");
     }
 }

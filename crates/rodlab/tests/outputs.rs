@@ -95,7 +95,7 @@ fn a_file_of_somebody_else_is_not_replaced() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     fs::remove_file(&page).unwrap();
     let files = write(&rich::outcome(), folder.path()).unwrap();
-    // a file that the run has read is not replaced either, even if an earlier result lists it
+    // a file that the run has read is not replaced, even if an earlier result lists it as its own
     let read = &files[1..2];
     let again = output::write(&rich::outcome(), &rich::sheet(), folder.path(), read);
     let error = again.refused();

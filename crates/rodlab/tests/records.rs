@@ -62,7 +62,7 @@ fn volts_of_an_array_become_quantities_by_what_the_sheet_says() {
     for (name, scale) in [("b.npy", 2.0), ("a.npy", 1.0)] {
         write_npy(
             &folder.file(name),
-            // the first row is none that is used
+            // the sheet does not use the first row
             &[
                 &[0.0, 1.0, 2.0, 3.0],
                 &[0.0, 0.5 * scale, 0.25, 0.0],
@@ -148,7 +148,7 @@ fn a_hit_with_a_lost_sample_is_left_out_and_said_so() {
     let loaded = load(folder.path(), sheet).unwrap();
     let names: Vec<&str> = loaded.records.iter().map(|r| r.name.as_str()).collect();
     assert_eq!(names, ["a.npy", "c.npy"]);
-    // a file that is left out is listed among the inputs nevertheless
+    // a file that is left out is listed among the inputs, too
     assert_eq!(loaded.inputs.len(), 3);
     assert_eq!(loaded.left_out.len(), 1);
     assert!(!loaded.left_out[0].accepted && loaded.left_out[0].what == "b.npy");

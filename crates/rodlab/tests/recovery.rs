@@ -168,9 +168,9 @@ fn one_load_does_not_tell_the_exponent_and_says_what_it_does_tell() {
     insta::assert_snapshot!(reason, @"parallel modulus is not identifiable: one load determines only two numbers, but the model has three parameters");
     let exponent = quantity(&outcome, "exponent (m)");
     assert!(exponent.value.is_none() && !exponent.valid);
-    // but the recovery time of this load is a result
+    // the recovery time of this load is valid
     let (value, error) = estimate(&outcome, "recovery time, Test 1 alone");
-    // equation 5 for 45 MPa and half an hour
+    // expected: equation 5 for 45 MPa and half an hour
     let rate = PARALLEL_MODULUS * COEFFICIENT;
     let strain = march(0.0, |_| 45e6, 1800.0, 5000);
     let stress = PARALLEL_MODULUS * strain;
@@ -200,8 +200,8 @@ fn r11_errors_that_are_stated_too_small_put_a_model_in_doubt() {
     doubts(&stated)[0].must_begin("the readings scatter more about the model");
     let by_scatter = answered(folder.run(&text("error_scale: FromResidual")));
     let error = |outcome: &Outcome| estimate(outcome, "exponent (m)").1;
-    // errors of 0.00125 that were stated as 0.0004; the scatter gives the ratio to 9 % (one
-    // standard deviation of 57 residuals)
+    // tolerance: errors of 0.00125 were stated as 0.0004; the scatter of 57 residuals gives the
+    // ratio to 9 % (one standard deviation)
     let ratio = error(&by_scatter) / error(&stated);
     assert!((ratio / (1.25 / 0.4) - 1.0).abs() < 0.28, "{ratio}");
 }

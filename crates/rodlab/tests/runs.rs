@@ -12,7 +12,7 @@ use rodlab::{Outcome, RodlabError};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// A folder of a test, which is removed with it.
+/// A temporary folder, which is removed at the end of a test.
 pub(crate) struct Folder(TempDir);
 
 impl Folder {
@@ -62,7 +62,7 @@ impl Folder {
         }
     }
 
-    /// Changes every line of a file, which `change` takes with its number from 0.
+    /// Replaces every line of a file by `change` of its number, from 0, and its text.
     pub(crate) fn edit(&self, name: &str, change: impl Fn(usize, &str) -> String) {
         let text = self.read(name);
         let lines = text.lines().enumerate();
@@ -99,7 +99,7 @@ pub(crate) fn outcome_of(folder: &Path, text: &str) -> Result<Outcome, RodlabErr
     job::run(&sheet, &Silent, &AtomicBool::new(false))
 }
 
-/// The JSON text of an outcome, as of a sheet that is not on disk.
+/// The JSON text of an outcome whose sheet is not a file.
 pub(crate) fn json(outcome: &Outcome) -> String {
     let identity = SheetIdentity {
         file: "test.ron".to_owned(),
@@ -194,7 +194,7 @@ fn joined<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(", ")
 }
 
-/// Outcome of a run that is answered without a doubt.
+/// Outcome of a run. Fails unless the run is answered without a doubt.
 #[track_caller]
 pub(crate) fn answered<E: std::fmt::Debug>(run: Result<Outcome, E>) -> Outcome {
     let outcome = run.unwrap();

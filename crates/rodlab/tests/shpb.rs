@@ -87,8 +87,8 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
             outside += usize::from((found - exact).abs() > half);
         }
     }
-    // the sheet is right, so that only noise is outside, and noise is small compared with the
-    // common errors
+    // tolerance: the sheet states the true values, so that only noise causes errors, and it is
+    // small compared with the stated common errors
     assert!(all > 500 && outside * 20 < all, "{outside} of {all}");
     let table = table(&outcome, "budget");
     // rows: noise; factors and positions of two gauges and one delay; two diameters; length and
@@ -122,8 +122,8 @@ fn hopkinson_draws_stand_beside_linear_errors() {
     for name in ["stress", "strain"] {
         let name = format!("check: standard error of the {name} by draws over the linear one");
         let found = quantity(&outcome, &name);
-        // the standard error from 300 draws is known to 4 %, the part of noise in the linear one to
-        // 7 %; the limit is three times both
+        // tolerance: three times 8 %, because 300 draws determine the standard error to 4 %, and
+        // the part of noise in the linear one is known to 7 %
         assert!((found.value.unwrap() - 1.0).abs() < 0.24, "{found:?}");
     }
     let few = folder.run(&with("3"));
@@ -167,7 +167,7 @@ fn hopkinson_mean_of_three_shots() {
     let half = "95 % half width of the mean stress";
     let [strain, stress, half] =
         ["strain", "mean stress", half].map(|name| column(&outcome, "mean", name));
-    // the curves of single shots are next to it
+    // tables and figures of the single shots follow those of the mean
     assert_eq!(outcome.tables.len(), 1 + 3 * 4);
     assert_eq!(outcome.figures.len(), 1 + 3 * 4);
     assert!(column(&outcome, "stress_strain_3", "stress").len() > 500);
@@ -179,7 +179,7 @@ fn hopkinson_mean_of_three_shots() {
         let true_stress = 0.5e-6 * (forces[0][after] + forces[1][after]) / AREA;
         outside += usize::from((stress[at] - true_stress).abs() > half[at]);
     }
-    // apart from noise the sheet is right, and it states common errors
+    // the sheet states the true values and common errors, compared with which noise is small
     assert_eq!(outside, 0);
     let wide = ", specimen: (length: \"6 mm\", diameter: \"14.2 mm ± 0.02 mm\")";
     for text in [with(["2", "4"], ""), with(["2", "3"], wide)] {
@@ -238,8 +238,8 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
     assert!((budget(&both) / budget(&single) - 0.5_f64.sqrt()).abs() < 1e-6);
 }
 
-/// Each mistake is named, with the right standing. The other findings on a shot are tested in
-/// `impulse`.
+/// Each mistake is named in an error, a refusal or a doubt. The other findings on a shot are tested
+/// in `impulse`.
 #[test]
 fn hopkinson_mistakes_are_named() {
     let folder = Folder::new();
@@ -380,7 +380,7 @@ fn hopkinson_virtual_shot_comes_back() {
             };
             let (t, y) = (&truth("time")[after - 1..], &truth(name)[after - 1..]);
             let exact = y[0] + (y[1] - y[0]) * (time - t[0]) / (t[1] - t[0]);
-            // the band limit of 31 kHz rounds the front
+            // the front is left out because the band limit of 31 kHz rounds it
             if truth("strain")[after] > 0.01 {
                 let off = (value - exact).abs();
                 worst = worst.max(off / largest);
@@ -389,8 +389,8 @@ fn hopkinson_virtual_shot_comes_back() {
             }
         }
         println!("{name}: {worst:.4} of {largest:.4}, {outside} of {all} outside");
-        // the tail of the incident wave, about 0.2 % of it, is attributed to the reflected one: an
-        // error of 0.5 % of the strain, which the band includes
+        // tolerance: the tail of the incident wave, about 0.2 % of it, is attributed to the
+        // reflected wave: an error of 0.5 % of the strain, which the band includes
         assert!(worst < 0.012, "{name}: {worst}");
         assert!(outside * 10 < all, "{name}: {outside} of {all}");
     }
@@ -443,7 +443,7 @@ fn hopkinson_late_channel_contradicts_the_other_gauge_of_its_bar() {
         let words = format!("gauge 2 of the {side} bar records the waves ");
         let (_, after) = said.split_once(&words).unwrap_or_else(|| panic!("{said}"));
         let lag: f64 = after.split(' ').next().unwrap().parse().unwrap();
-        // samples of 2 us; the fit is linear in the lag, which is an error of 2 % of 8 us
+        // one sample is 2 us; tolerance: the fit is linear in the lag, an error of 2 % of 8 us
         assert!((lag - 2.0 * by as f64).abs() < 0.4, "{said}");
         after.must_say("later than gauge 1 predicts");
     }

@@ -255,7 +255,7 @@ fn a_projectile_gives_the_law_that_was_put_in() {
         let before = column(&made, "balances", "energy of the striker before")[0];
         let after = column(&made, "balances", "energy at the end")[0];
         let dissipated = column(&made, "balances", "energy dissipated")[0];
-        // the contact, when the gap closes, dissipates the energy of two half cells
+        // tolerance: when the gap closes, the contact dissipates the energy of two half cells
         assert!(((after + dissipated) / before - 1.0).abs() < 0.02);
         figures_of(&made).must_say("sections");
         let found = evaluated(&made, &folder, "identify.ron", quick);
@@ -265,7 +265,7 @@ fn a_projectile_gives_the_law_that_was_put_in() {
         ] {
             is_found(&found, name, truth, [3.0, 0.2]);
         }
-        // records made by the inverting solver are refused
+        // records computed by the solver that is to invert them are refused
         let crime =
             |text: String| quick(text).replace("rodwave::lumped", "rodwave::characteristics");
         let refused = folder.run(&crime(folder.read("identify.ron"))).refused();
@@ -282,8 +282,8 @@ fn norton_at_two_velocities() -> String {
         .replace(r#"cell: "2 mm","#, r#"cell: "1 mm","#)
 }
 
-/// The sheet that evaluates a nonlinear rod states the recorder of the plan, stated or taken by
-/// default: without it E and exponent would be off by many of their errors.
+/// The sheet that evaluates a nonlinear rod states the recorder of the plan, whether the plan
+/// states it or not: without it E and exponent would be off by many of their errors.
 #[test]
 fn the_recorder_of_the_plan_is_part_of_its_evaluation() {
     let folder = Folder::new();
@@ -472,7 +472,7 @@ fn the_seed_and_nothing_else_decides() {
         let made = of(&format!(r#"output: "one.{format}""#));
         assert_eq!(made.attachments[1].name, format!("one-2.{format}"));
         assert!(samples(&made) == samples(&first), "{format}");
-        // and the sheet states what the file does not
+        // the sheet states what files of this format do not contain
         let folder = Folder::new();
         let found = evaluated(&made, &folder, "modulus.ron", |text| text);
         assert_eq!(found.inputs.len(), 2, "{format}");

@@ -83,8 +83,8 @@ fn outside(outcome: &Outcome) -> [usize; 3] {
 /// Fails if there are at most `fewest` valid lines, or too many of them are outside.
 fn covers(outcome: &Outcome, fewest: usize) {
     let [lines, storage, loss] = outside(outcome);
-    // one line in twenty is expected outside; the errors of about twelve neighbouring lines are
-    // correlated
+    // tolerance: one line in twenty is expected outside; the errors of about twelve neighbouring
+    // lines are correlated
     assert!(
         lines > fewest && storage <= lines / 6 && loss <= lines / 6,
         "{lines} {storage} {loss}"
@@ -104,7 +104,7 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
     let off = (gain - 100.0 * 1.025_f64.ln()).abs();
     assert!(off < 3.0 * error && error < 0.4, "{gain} {error}");
 
-    // the same bar as a laboratory has it that multiplies its strains by a modulus and the area
+    // the same record in kN: the strains multiplied by modulus and area
     let forces = |row: &Vec<f64>| row.iter().map(|strain| 750.0 * strain).collect();
     let folder = shot(&rows.iter().map(forces).collect::<Vec<_>>());
     let units = [
@@ -115,13 +115,13 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
     let (a, b) = (column(&strains, "E'"), column(&forces, "E'"));
     assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6 * a.abs()));
 
-    // a stated window instead of the one chosen for the ringing
+    // a stated window replaces the one chosen for the ringing
     let window = format!("{SILENT} exponential_window: Some(EndWeight(weight: \"0.01 %\")),");
     let stated = folder.run(&sheet(BEFORE_END, units, &window)).unwrap();
     covers(&stated, 35);
 }
 
-/// An accelerometer on the end, stated as 20 g ± 2 %, which is truly 0.3 g heavier.
+/// An accelerometer on the end is stated as 20 g ± 2 %; its true mass is 0.3 g larger.
 #[test]
 fn a_mass_on_the_end_is_its_condition() {
     let bar = LongBar {
@@ -137,14 +137,15 @@ fn a_mass_on_the_end_is_its_condition() {
     let stated = folder.run(&with_mass(&free, "20 gram ± 0.4 gram")).unwrap();
     covers(&stated, 35);
     stated.summary.must_say("accelerometer mass (");
-    // if its end is assumed free, the bar is another one
+    // if the end is assumed free, the result is in doubt or wrong
     let free = folder.run(&free).unwrap();
     let [lines, storage, _] = outside(&free);
     assert!(
         free.verdict != Verdict::Answered || 2 * storage > lines,
         "{lines} {storage}"
     );
-    // with three gauges the end is not needed, and its error has no effect
+    // with three gauges the end is not part of the method, so that the uncertainty of its mass is
+    // refused
     let three = BEFORE_END.replace(
         r#"(channel: "g2", at: "2000 mm")"#,
         r#"(channel: "g2", at: "2000 mm"), (channel: "g2", at: "2200 mm")"#,
@@ -168,7 +169,7 @@ fn one_shot_has_its_errors_from_the_silence() {
     let outcome = answered(folder.run(&sheet(pulses, units, SILENT)));
     covers(&outcome, 40);
 
-    // without a known silence one hit gives no information on its errors
+    // without a stated silent time the errors of a single hit are not known
     let outcome = folder.run(&sheet(pulses, units, "")).unwrap();
     refusal(&outcome).must_say("state in `source.hits.silent`");
 }
@@ -232,7 +233,7 @@ fn lines_valid_within_limits_keep_them() {
         let [usual, most] = [part.len() * 19 / 20, part.len() - 1].map(|at| part[at]);
         println!("{name}: {} lines, {usual:.3}, {most:.3}", part.len());
         assert!(part.len() > 50, "{name}: {} lines", part.len());
-        // the noise of about twelve neighbouring lines is correlated
+        // tolerance: the noise of about twelve neighbouring lines is correlated
         assert!(usual < 0.5 && most < 1.0, "{name}: {usual} {most}");
     }
 }
@@ -264,7 +265,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
         let truth = bar.modulus_at(Complex64::new(0.0, TAU * frequency));
         let of = |name: &str| column(&outcome, name)[line];
         let off = 1e9 * of("E'") / truth.re - 1.0;
-        // density 0.026 %, length 0.007 %
+        // expected: the density contributes 0.026 %, the length twice 0.0033 %
         let error = 1e9 * of("standard error of E'") / truth.re;
         assert!(
             off.abs() < 1e-6 && (2e-4..4e-4).contains(&error),
@@ -280,14 +281,14 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let modes = |outcome: &Outcome, name| numbers(outcome, "modes", name).to_vec();
     assert_eq!(modes(&outcome, "mode"), [1.0, 2.0, 3.0, 4.0]);
     for (decay, frequency) in modes(&outcome, "decay rate").iter().zip(frequency) {
-        // the relative decay rate is half the loss factor; the limit is four standard errors of a
-        // hundredth
+        // expected: the decay rate divided by the angular frequency is half the loss factor;
+        // tolerance: four standard errors of 1 %
         assert!(
             (decay / (0.5e-4 * TAU * frequency) - 1.0).abs() < 0.04,
             "{decay}"
         );
     }
-    // a band does not number the modes again
+    // the modes keep their numbers in a band that leaves out the first
     let above = r#"band: (from: "6 kHz", to: "20 kHz"),"#;
     let above = with("4 ms", "5000 m/s", above).unwrap();
     assert_eq!(modes(&above, "mode"), [2.0, 3.0, 4.0]);
@@ -299,7 +300,7 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     two.warnings.must_begin(unchecked);
     assert!(!above.warnings.iter().any(|w| w.starts_with(unchecked)));
     assert_eq!(column(&above, "E'"), &column(&outcome, "E'")[1..]);
-    // a guess that takes the second mode for the first
+    // the guess of the wave speed is nearly twice the true value
     let wrong = with("4 ms", "9000 m/s", "").unwrap();
     doubts(&wrong).must_say("belongs to none of the modes");
     let late = with("1.0015 s", "5000 m/s", "");
@@ -352,6 +353,6 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
         lines > 200 && off < 5e-4,
         "{lines} lines, {off:e} of the wave speed"
     );
-    // one line in twenty is expected outside, and the noise of some lines is correlated
+    // tolerance: one line in twenty is expected outside, and the noise of some lines is correlated
     assert!(speed < lines / 8 && loss < lines / 8, "{counts:?}");
 }

@@ -135,7 +135,7 @@ fn taking_an_uncertainty() -> BTreeSet<String> {
 
 fn texts() -> BTreeSet<String> {
     let mut found = declared(&sources(), &["String", "Selector"]);
-    // keys of maps
+    // keys of maps are texts, too
     found.extend(["materials", "full_scales", "noise_of"].map(str::to_owned));
     found
 }
@@ -176,7 +176,7 @@ impl Walked {
             match outcome_of(folder, &changed) {
                 Err(error) => {
                     let words = error.to_string();
-                    // or that the field takes no unit, or no fraction
+                    // or the message states that the field takes no unit or only whole numbers
                     let says_why = [
                         "uncertainty",
                         "without ±",
@@ -335,7 +335,7 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         record: (files: ["hit2.csv"], channels: [(name: "face", from: "acceleration", sensitivity: "1")]), response: "face",
         noise: White("0.5 m/s2"), acting: (from: "3.5 ms", to: "5 ms"), uncertainty: (draws: 200, seed: 1, level: "95 %")))"#
         .replace("RECORDS", channels);
-    // the same body by its points, with a rigid mass behind
+    // the same body measured at two points, with a rigid mass behind it
     let points = replaced(
         measured,
         r#"Measured(file: "body.uff", support: Free(mass: "1.5 kg"), scale_uncertainty: "1 %", front_impedance: "5000 kg/s")"#,
@@ -495,7 +495,7 @@ fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_i
                     "`{stated}` of {field} is read, and nothing follows it"
                 ),
                 Err(error) => {
-                    // the error has a place in the text
+                    // the message refers to a line of the sheet
                     assert!(error.line() > 1, "{error}");
                     n_refused += 1;
                 }

@@ -82,7 +82,7 @@ impl Served {
         self.post("evaluate", &asked.to_string())
     }
 
-    /// The answer to a request to save a text in place of that of this hash.
+    /// The answer to a request that replaces the text with this hash by another text.
     fn save(&self, text: &str, was: &Value) -> Value {
         self.post("save", &json!({ "text": text, "was": was }).to_string())
     }
@@ -157,7 +157,7 @@ fn what_is_no_request_is_refused() {
     }
     let own = format!("http://{host}");
     assert_eq!(served.post_from(&own, "rule", "{").0, 400);
-    // and the next one is answered
+    // the next request is answered
     assert_eq!(served.get("").0, 200);
 }
 
@@ -261,7 +261,7 @@ fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
         .unwrap()
         .must_say("another program");
     assert_eq!(served.on_disk(), "# mine\n");
-    // a sheet that may not be changed
+    // a read-only sheet
     let (_, hash) = served.sheet();
     let mut permissions = fs::metadata(&served.sheet).unwrap().permissions();
     permissions.set_readonly(true);

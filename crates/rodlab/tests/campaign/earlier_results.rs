@@ -15,7 +15,7 @@ fn what_is_done_is_not_done_again_unless_something_has_changed() {
     let first = written("slow/1");
     let second = written("slow/2");
 
-    // one sheet changes, one is mended
+    // one sheet is changed, another is corrected
     folder.write("campaign/slow/2.ron", sheet("2 m/s", "5 ms"));
     folder.write("campaign/slow/wrong.ron", sheet("9 m/s", "4 ms"));
     let run = folder.rodlab("batch campaign --out results --resume");

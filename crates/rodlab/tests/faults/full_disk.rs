@@ -148,7 +148,7 @@ fn campaign(extent: Extent) -> Row {
                 let is_one = [before, after]
                     .iter()
                     .any(|files| part(files, place) == now);
-                // a summary that is neither old nor new, but names the tests that could not be
+                // the summary may also be a new one, which names the tests that could not be
                 // written
                 let told = place.is_empty() && says_what_failed(&now);
                 if !(is_one || told) {
@@ -164,7 +164,7 @@ fn campaign(extent: Extent) -> Row {
             }
             match ran.status {
                 Some(0) => Came::Right,
-                // without a message, but not with status 0
+                // with no space at all, the message may be lost, but the status is not 0
                 _ if blocks == 0 || !ran.err.is_empty() || ran.status == Some(2) => Came::Refused,
                 _ => Came::Lost("no reason".to_owned()),
             }

@@ -23,7 +23,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         |&blocks| {
             let folder = struck_mass::folder();
             put(&folder.file("out"), &earlier);
-            // the system ends who writes beyond the limit
+            // the system kills a process that writes beyond the limit
             let script = format!(
                 "ulimit -c 0; ulimit -f {blocks}; exec \"$0\" force hit.ron --quiet --out out"
             );

@@ -80,7 +80,7 @@ fn in_place_of_a_file(extent: Extent) -> Row {
                 return Came::Lost(format!("{name}, {arguments:?}: {:?}, {said}", ran.status));
             }
             let out = files_in(&folder.file("out"));
-            // whatever is wrong with one test, the other is done
+            // the other test is run, whatever is wrong with this one
             let other =
                 arguments.contains(&"hit.ron") && arguments[0] == "batch" && *name != "a folder";
             if other && !out.keys().any(|name| name.ends_with("hit/result.json")) {

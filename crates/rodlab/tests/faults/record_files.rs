@@ -152,8 +152,8 @@ fn after_a_data_set(bytes: &[u8]) -> bool {
     bytes.ends_with(b"    -1") && !bytes.ends_with(b"    -1\n    -1") && bytes.len() > 6
 }
 
-/// True between the elements of a file. An element is a tag of four and four bytes, followed by the
-/// number of bytes that the tag states.
+/// True between the elements of a file. An element consists of its type and its length, of four
+/// bytes each, and as many bytes as the length states.
 fn after_a_variable(bytes: &[u8]) -> bool {
     let mut at = 128;
     while let Some(tag) = bytes.get(at..at + 8) {

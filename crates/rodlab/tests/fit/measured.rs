@@ -46,7 +46,8 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     assert_eq!(numbers(&outcome, "data", "frequency").len(), 210);
     assert!(shifts.is_sorted_by(|a, b| a > b), "{shifts:?}");
 
-    // 1.5 % of |E| was found; the instrument's own error at 100 Hz is the largest part
+    // tolerance: the residual was 1.5 % of |E|; the instrument's own error at 100 Hz is the largest
+    // part
     let residual = quantity(&outcome, "residual of the master curve");
     let residual = residual.value.unwrap();
     println!("residual {residual} % of |E|");
@@ -61,8 +62,8 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
         assert!(difference.abs() < 0.05, "{step}: {difference}");
     }
     println!("steps of log a minus those of pyvisco: {differences:?}");
-    // WLF is not valid from the glass to the rubber; a fit with equal errors for all shifts is
-    // nearer to them
+    // WLF does not describe all shifts from the glass to the rubber; its largest deviation is
+    // smaller if all shifts have equal errors
     let verdict = &quantity(&outcome, "WLF, C1").verdict;
     verdict.must_begin("the shifts differ from the law by more than their errors");
     let farthest = |row: usize| {
@@ -81,8 +82,8 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     card.must_say("*VISCOELASTIC, TIME=PRONY");
 }
 
-/// 22 files in ISO-8859-1 with an index as first column and a last line that is none. A decade of
-/// frequency of each is joined, in an eighth of the time of all three.
+/// 22 files in ISO-8859-1, with an index as first column and a last line without data. To save
+/// time, only one of the three decades of frequency is evaluated.
 #[test]
 fn files_of_an_instrument_are_read_as_they_are() {
     let table = r#"files: ["dma/glassy-polymer/T*.txt"], frequency: "f", modulus: Parts(storage: "E'", loss: "E\""), temperature: Column("Ts")"#;

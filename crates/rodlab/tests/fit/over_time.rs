@@ -32,7 +32,7 @@ fn creep(time: f64) -> f64 {
     (time / RAMP).min(1.0) / RELAXED - retarded * decay(time, tau)
 }
 
-/// Rows from the start of the load on, two a second for 10 minutes, with 0.5 % of noise.
+/// Rows from the start of the load on, two per second for 10 minutes, with 0.5 % of noise.
 fn rows(names: &str, seed: u64, of: impl Fn(f64) -> f64) -> String {
     let mut noise = Noise::seeded(seed);
     let row = |k: u32| {
@@ -71,7 +71,7 @@ fn covers(outcome: &Outcome) {
         ("relaxation time", TIME),
     ] {
         let (lower, upper) = interval_of(outcome, "Zener", name);
-        // twice the 95 % interval, outside which one value in 10 000 lies
+        // tolerance: twice the 95 % interval, outside which one value in 10 000 lies
         let half = 0.5 * (upper - lower);
         let middle = 0.5 * (lower + upper);
         assert!(
@@ -213,7 +213,7 @@ fn draws_of_moduli_over_time_scatter_by_the_stated_errors() {
     for name in ["relaxed modulus", "modulus increment", "relaxation time"] {
         let row = names.iter().position(|own| own.contains(name)).unwrap();
         let ratio = of("Monte Carlo standard error")[row] / of("standard error")[row];
-        // the standard deviation of 60 draws is known to 9 %
+        // tolerance: the standard deviation of 60 draws is known to 9 %
         assert!((ratio - 1.0).abs() < 0.3, "{name}: {ratio}");
     }
 }

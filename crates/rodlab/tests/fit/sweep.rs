@@ -144,7 +144,7 @@ impl Sweep {
         folder
     }
 
-    /// The text of [`Sweep::write`], without the last digits, which differ between processors.
+    /// The text of [`Sweep::write`], rounded because the last digits differ between processors.
     pub(super) fn table(&self, seed: u64) -> String {
         let mut rows = self.rows(seed);
         rows.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));

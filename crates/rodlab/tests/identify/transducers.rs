@@ -3,8 +3,9 @@
 use super::*;
 use crate::runs::{Folder, Words, estimate};
 
-/// Rods of other lengths than the stated 394 mm, and a response that is 2 % too large: the tests
-/// are refused unless these errors are stated.
+/// Stated uncertainties of the rods' lengths and of the gain of the response enter the errors of
+/// modulus and viscosity. A test without a specimen is refused if the sheet states none for all
+/// tests.
 #[test]
 fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
     let folder = Folder::new();
@@ -34,15 +35,17 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
         [error / modulus, of_viscosity / viscosity]
     };
     let exact = relative_error(["394 mm ± 0 mm"; 2], "1");
-    // the same rod in both tests: twice 0.5 %, in addition to density and noise
+    // the same rod in both tests: the error is twice 0.5 %, in addition to those of density and
+    // noise
     let one = relative_error(["394 mm ± 0.5 %"; 2], "1");
     assert!((one[0] - 0.01_f64.hypot(exact[0])).abs() < 2e-4, "{one:?}");
-    // two rods of about equal weight: lengths written differently are those of different rods
+    // lengths that are written differently are those of two rods, whose errors are independent and
+    // have about equal weight
     let two = relative_error(["394 mm ± 0.5 %", "394.0 mm ± 0.5 %"], "1");
     let half = 0.01 / 2.0_f64.sqrt();
     assert!((two[0] - half.hypot(exact[0])).abs() < 4e-4, "{two:?}");
-    // the records determine the gain to about 0.4 %, so that little of the 2 % affects the
-    // viscosity
+    // the records determine the gain to about 0.4 %, so that the stated 2 % hardly increase the
+    // error of the viscosity
     let gain = relative_error(["394 mm ± 0 mm"; 2], "1 ± 2 %");
     assert!(gain[1] > 1.02 * exact[1], "{gain:?} {exact:?}");
 
@@ -63,7 +66,7 @@ fn transducers_that_err_more_than_stated_are_found() {
 }
 
 /// The result of a sheet that corrects a gain and a delay which the records do not have, after a
-/// check that both are found.
+/// check that the result states both.
 fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
     let folder = Folder::new();
     let tests = slow_and_fast(&folder, truth).map(|entry| {
@@ -80,8 +83,8 @@ fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
         rest.and_then(|rest| rest.split(' ').next()?.parse().ok())
             .unwrap_or_else(|| panic!("{found}"))
     };
-    // a gain of 1/0.97 and 5 us, the delay that the sheet corrects; the limits are about three
-    // standard errors
+    // expected: the gain 1/0.97 and the delay of 5 us that the sheet corrects; tolerance: about
+    // three standard errors
     let (gain, delay) = (
         after("a response that reads "),
         after("a delay of the response of "),

@@ -133,7 +133,7 @@ fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
     assert_eq!(copies.count(), 2, "{reasons:?}");
     reasons[0].must_say("hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s has ");
 
-    // a doubt that the copies may cause is stated after them
+    // a doubt that the copies may cause is stated after the doubts about the copies
     let temperature = r#"temperature: (of_hits: ["20 degC", "21 degC", "22 degC", "23 degC"], reference: "20 degC", slope: "0.05 1/K ± 0.001 1/K"),"#;
     let warming = two_files.replace(BAND, &format!("{BAND} {temperature}"));
     let outcome = folder.run(&warming).unwrap();

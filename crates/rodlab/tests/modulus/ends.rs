@@ -9,7 +9,7 @@ use crate::runs::{
     Folder, Refused, Words, answered, attachments_of, doubts, estimate, figures_of, write_npy,
 };
 
-/// The first quantity whose name begins like this.
+/// The first quantity whose name begins with `name`.
 fn beginning<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
     let mut quantities = outcome.quantities.iter();
     quantities.find(|q| q.name.starts_with(name)).unwrap()
@@ -36,12 +36,12 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let beyond = quantity(&outcome, "storage modulus at 40 kHz");
     assert!(beyond.value.is_none() && !beyond.valid);
 
-    // all that was decided is in the log: ten hits, and the lines
+    // the log contains the decisions on the ten hits and on the lines
     let mut log = outcome.log.iter();
     let hits = log.clone().filter(|entry| entry.what.starts_with("hit "));
     assert!(hits.map(|entry| entry.accepted).eq([true; 10]));
     assert!(log.any(|entry| entry.what.contains("lines are valid")));
-    // checks of an honest record
+    // a record without faults passes the checks
     for check in ["passivity", "Kramers-Kronig", "causality", "polarity"] {
         let made = beginning(&outcome, &format!("check: {check}"));
         assert_eq!(made.verdict, "passed", "{}", made.name);
@@ -57,7 +57,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let text_of = |index: usize| str::from_utf8(&outcome.attachments[index].bytes).unwrap();
     assert!(text_of(5).contains("** draw 1 of 2\n") && text_of(5) != text_of(8));
 
-    // the universal file is a source as good as the hits
+    // the universal file gives the same moduli as the hits
     folder.write("ratio.uff", &outcome.attachments[0].bytes);
     let start = text.find("source: Hits").unwrap();
     let end = text.find("band:").unwrap();
@@ -69,7 +69,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let other = folder.run(&from_file).unwrap();
     let first = |outcome: &Outcome| numbers(outcome, "modulus", "E'").to_vec();
     for (a, b) in first(&other).iter().zip(first(&outcome)) {
-        // rounding in the file, amplified on nearly singular lines
+        // tolerance: rounding in the file, amplified on nearly singular lines
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     }
     // a file does not contain the power of the noise, so that variances are not pooled over lines:
@@ -109,7 +109,8 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
         "{slope:?}"
     );
     check_lines(&outcome, &rod);
-    // the error of a stated slope contributes 0.75 K times 0.001 1/K
+    // the hits are on average 0.75 K above the reference, so that the error of the stated slope
+    // contributes 0.75 K times 0.001 1/K
     let stated = at(", reference: \"20 degC\", slope: \"-0.003 1/K ± 0.001 1/K\"").unwrap();
     let common = numbers(&stated, "modulus", "common error of E'");
     let moduli = numbers(&stated, "modulus", "E'");
@@ -125,9 +126,9 @@ fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() 
     refused.must_say("one temperature for each of the 6 hits");
 }
 
-/// A sensitivity that is wrong by 2 % and a stated time skew that does not exist: if the stated
-/// errors permit them, the lines determine both; otherwise they contradict the sheet. A wrong mass
-/// on the free end would be absorbed by the errors of the sensors.
+/// The sheet states a gain that is 2 % off and a time skew that the records do not have. Within
+/// their stated errors both are determined from the lines and corrected; larger deviations put the
+/// result in doubt. So does a wrong mass on the free end.
 #[test]
 fn errors_of_the_sensors_are_found_and_taken_out() {
     let folder = hits(10, 1993);
@@ -144,7 +145,7 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
     assert_eq!(right.verdict, Verdict::Answered);
     check_lines(&right, &rod);
     let (gain, error) = estimate(&right, "error of the ratio of the sensitivities, found");
-    // the denominator is 2 % too small; the limit is four standard errors
+    // the denominator is 2 % too small; tolerance: four standard errors
     assert!(
         (gain - 100.0 * 1.02_f64.ln()).abs() < 4.0 * error && error < 0.1,
         "{gain} {error}"
@@ -198,8 +199,8 @@ fn the_causal_modulus_is_that_of_the_rod() {
     let (count, z, of_loss) = check_causal(&outcome, &rod);
     let valid = is_valid(&outcome).iter().filter(|valid| **valid).count();
     assert!(count > valid, "{count} {valid}");
-    // the errors of neighbouring lines are strongly correlated, so that there are few independent
-    // values
+    // tolerance: the errors of neighbouring lines are strongly correlated, so that there are few
+    // independent values
     assert!(z < 1.8, "{z}");
     let mut of_lines = numbers(&outcome, "modulus", "standard error of the loss factor").to_vec();
     of_lines.sort_by(f64::total_cmp);
@@ -273,8 +274,8 @@ fn a_ratio_of_another_program_is_taken_with_its_coherence() {
     let of_diameter = numbers(&found, "budget", "diameter, of E'");
     for (line, _) in is_valid(&found).iter().enumerate().filter(|(_, v)| **v) {
         let expected = 2.0 * (1.0 - with[line] / without[line]);
-        // above λ = 15 D the next order is below 1 % of the correction, which is computed with an
-        // error of 1e-10 of E'
+        // tolerance: above λ = 15 D the next order is below 1 % of the correction, which is
+        // computed with an error of 1e-10 of E'
         let (f, found) = (frequency[line], of_diameter[line]);
         assert!(
             (found / expected - 1.0).abs() < 0.1,

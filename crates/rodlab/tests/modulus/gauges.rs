@@ -47,8 +47,8 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
     let outcome = answered(folder.run(&text));
     let (count, mean_square) = check_lines(&outcome, &rod);
     assert!(count > 400, "{count} {:?}", outcome.summary);
-    // the errors are due to noise alone, which is measured before the hits and known to 10 %; over
-    // so many lines the mean square is 1 within a few per cent
+    // tolerance: the errors are due to noise alone, which is measured before the hits and known to
+    // 10 %; over so many lines the mean square is 1 within a few per cent
     assert!((mean_square - 1.0).abs() < 0.35, "{mean_square}");
     let (count, z, _) = check_causal(&outcome, &rod);
     assert!(count > 400 && z < 1.8, "{count} {z}");
@@ -106,7 +106,7 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
         let mut count = 0;
         for (line, _) in is_valid(&outcome).iter().enumerate().filter(|(_, v)| **v) {
             let truth = exact(frequency[line]);
-            // the permitted errors and those of the discrete rod
+            // tolerance: the limits of a valid line, and the error of the discrete rod
             assert!(
                 (1e9 * storage[line] / truth.re - 1.0).abs() < 0.011,
                 "{} Hz",

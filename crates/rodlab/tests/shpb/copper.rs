@@ -22,7 +22,7 @@ const STEEL: (f64, f64) = (7850.0, 5122.7);
 const SECTIONS: f64 = 4.0;
 /// Interval of the samples \[s\].
 const STEP: f64 = 2.5e-6;
-/// Powers of two after which the authors' times increase in coarser steps \[s\].
+/// Times \[s\] at which the rounding of the authors' clock becomes coarser.
 const COARSER: [f64; 2] = [1.0 / 1024.0, 1.0 / 512.0];
 
 /// Columns of the record.
@@ -84,9 +84,8 @@ impl Elements {
         self.interpolated(name, times, (0..n).map(|at| STEP * at as f64))
     }
 
-    /// Times \[s\] corrected so that all increments are as long as between 1/4096 s and 1/2048 s.
-    /// In the record the increments are longer by 340/339 after 1/1024 s, and by 336/339 after
-    /// 1/512 s.
+    /// Times \[s\] with all increments corrected to those between 1/4096 s and 1/2048 s. In the
+    /// record an increment is multiplied by 340/339 after 1/1024 s, and by 336/339 after 1/512 s.
     fn mended_times(&self) -> Vec<f64> {
         let [first, second] = COARSER;
         let mend = |t: f64| {
@@ -234,8 +233,8 @@ fn hopkinson_copper_has_a_clock_of_single_precision() {
         };
         let lags = (0..140).map(|k| 388e-6 + 0.05e-6 * f64::from(k));
         let period = lags.min_by(|a, b| unlike(*a).total_cmp(&unlike(*b)));
-        // 2 L/c is 390.42 us, or 391.57 us in the times of the record; dispersion at 20 kHz is
-        // 0.35 us
+        // expected: 2 L/c is 390.42 us, or 391.57 us in the times of the record; dispersion at 20
+        // kHz adds 0.35 us
         let expected = 2.0 / STEEL.1 * 340.0 / 339.0;
         let off = period.unwrap() - expected;
         println!("{off:e}");
@@ -286,14 +285,14 @@ fn hopkinson_copper_has_the_velocities_of_its_faces() {
     let [unfiltered, their_clock, found, long_waves] = transmitted;
     assert!(unfiltered.inside[1] < 0.85 && unfiltered.off > 0.02);
     assert!(their_clock.inside[1] > 0.95 && their_clock.off > 0.009);
-    // the gauges of the elements have no error, those of the sheet 1 %, so that a fraction above
-    // 0.95 is right
+    // the gauges of the elements have no error, but the sheet states 1 %, so that fractions above
+    // 0.95 are expected
     assert!(found.inside[0] > 0.95 && found.inside[1] > 0.97);
     assert!(found.off < 0.007, "{}", found.off);
     // without the dispersion of Pochhammer and Chree the difference is four times as large
     assert!(long_waves.off > 3.0 * found.off);
-    // the velocity of the other face also depends on the force of this one, which acts on it only
-    // while the specimen transmits the force
+    // the velocity of the incident face also depends on the force on it, which equals that on the
+    // transmitted face only while the specimen transmits force
     let [.., found, _] = incident;
     assert!(found.inside[0] > 0.95 && found.inside[1] > 0.95);
     assert!(found.off < 0.07, "{}", found.off);

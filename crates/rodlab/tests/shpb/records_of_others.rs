@@ -108,8 +108,7 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
     let (status, words) = standing(&stated);
     assert_eq!(status, 3, "{words}");
     words.must_say("before that of the incident face");
-    // the arrivals of two fronts of 10 us, which the specimen changes in shape, are 390 us ± 3 us
-    // apart
+    // tolerance: two fronts of 10 us, whose shape the specimen changes, arrive 390 us ± 3 us apart
     let speed = speed(&stated, 1.020, STEEL);
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
     let right = outcome(&files, &sheet("741 mm")).unwrap();
@@ -124,8 +123,8 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
         (ratio - 0.96).abs() < 0.015 && difference < 0.06,
         "{ratio} {difference}"
     );
-    // an evaluation by hand gives 1038 MPa (two waves) and 1044 MPa (three waves), with 20 MPa of
-    // noise of the converter at the peak
+    // tolerance: an evaluation by hand gives 1038 MPa (two waves) and 1044 MPa (three waves), with
+    // 20 MPa of noise of the converter at the peak
     let stress = quantity(&right, "largest stress");
     assert!((stress / 1024.0 - 1.0).abs() < 0.025, "{stress}");
 }
@@ -176,7 +175,7 @@ fn hopkinson_measured_epoxy_is_evaluated() {
         "{ratio} {difference}"
     );
     // a face cannot pull: with the wave speed from the passages the force on the incident face
-    // stays compressive, with that of the stated modulus it becomes tensile
+    // stays compressive, with that from the stated modulus it becomes tensile
     let found = outcome(&files, &sheet("0.000501").replace("210 GPa", "208.15 GPa")).unwrap();
     let [stated, found] = [&right, &found].map(|outcome| {
         let force = column(outcome, "faces", "force of the incident face").iter();
