@@ -1,4 +1,4 @@
-//! `rodlab bar`: waves of a long bar from virtual shots with a known law, and mistakes of
+//! `rodlab bar`: waves of a long bar from virtual shots with a known law, and common mistakes of
 //! laboratories.
 
 use std::f64::consts::TAU;
@@ -36,7 +36,7 @@ fn write(folder: &Path, rows: &[Vec<f64>]) {
     write_columns(&folder.join("shot.csv"), rows);
 }
 
-/// The template changed for these records: their waves are one-dimensional, and only the gauge
+/// The template adapted to these records: their waves are one-dimensional, and only the gauge
 /// factors are uncertain.
 fn two_gauges() -> String {
     let text = JobName::Bar.template(rodlab::sheet::Language::Ron);

@@ -1,6 +1,6 @@
 //! Chains of evaluations: a bar is measured with one shot, its law with errors is written to a
-//! file, and a specimen is tested with two such bars. Striker, waves, gauges, converters and their
-//! errors are simulated, so that the true values are known.
+//! file, and a specimen is tested between two bars of this material. Striker, waves, gauges,
+//! converters and their errors are simulated, so that the true values are known.
 
 use std::fs;
 use std::sync::atomic::AtomicBool;
@@ -268,7 +268,7 @@ fn chain_from_a_measured_bar_to_a_force_covers() {
     assert!(inside as f64 > 0.8 * f64::from(all), "{inside} of {all}");
 }
 
-/// Faults in the file of a material, and jobs that cannot use such a file.
+/// Material files with mistakes are refused, and so are jobs that cannot use a material file.
 #[test]
 fn chain_names_what_is_wrong() {
     let folder = Folder::new();

@@ -345,7 +345,8 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
 }
 
 /// Eight calibration hits and another hit, with noise of 0.3 % of the peak, in a band from 20 Hz to
-/// 5 kHz: peak and impulse agree with the true values within their errors, which are below 5 %.
+/// 5 kHz: peak and impulse agree with the true values within 3.5 standard errors, which are below 5
+/// %.
 #[test]
 fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
     let noise = 0.9;

@@ -75,7 +75,7 @@ impl Folder {
         outcome_of(self.path(), text)
     }
 
-    /// The program, with arguments that have no spaces.
+    /// Output of the program, run in the folder; the arguments are separated by spaces.
     pub(crate) fn rodlab(&self, call: &str) -> Output {
         rodlab(self.path(), &call.split(' ').collect::<Vec<_>>())
     }
@@ -291,7 +291,7 @@ pub(crate) fn copy_example(name: &str, folder: &Path) {
     }
 }
 
-/// The program, run in `folder`.
+/// Output of the program, run in `folder`.
 pub(crate) fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .current_dir(folder)

@@ -226,8 +226,7 @@ fn hopkinson_bending_cancels_between_opposite_gauges() {
             assert!((a - b).abs() < 1e-9 * largest, "{name}: {a} {b}");
         }
     }
-    // the mean of two gauges with 0.5 % each has an error of 0.35 %; this sheet states no delay,
-    // unlike the other one
+    // the mean of two gauges with 0.5 % each has an error of 0.35 %
     let budget = |outcome: &Outcome| {
         let columns = &table(outcome, "budget").columns;
         let names = words(outcome, "budget", &columns[0].name);

@@ -343,8 +343,8 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
             squares += speed * speed;
         }
     }
-    // the check of passivity fails for 3 of 60 other records, each with a loss of 0 within its
-    // errors
+    // tolerance: the check of passivity failed for 3 of 60 other records, whose loss factors are 0
+    // within their errors
     assert!(answered >= 17, "{answered} of 20");
     let [lines, speed, loss] = counts;
     let off = (squares / lines as f64).sqrt();

@@ -221,7 +221,7 @@ fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() 
     let folder = hits(10, 7);
     let rod = virtual_rod::polypropylene();
     let free_end = r#"FreeEnd(first: (channel: "struck end", from_free_end: "799 mm"), second: (channel: "free end", from_free_end: "0 mm"), wave_speed: "1700 m/s")"#;
-    // the distances of the sections replace the length
+    // this method uses the distances of the sections, not the length
     let text = sheet(free_end, BAND).replace(" ± 0.29 mm", "");
     let outcome = answered(folder.run(&text));
     assert!(check_lines(&outcome, &rod).0 > 600);
@@ -229,7 +229,7 @@ fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() 
     let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
     let outcome = answered(folder.run(&sheet(resonances, BAND)));
     let (count, _) = check_lines(&outcome, &rod);
-    // kL = (n - 1/2)π up to 20 kHz
+    // one modulus for each resonance: kL = (n - 1/2)π up to 20 kHz
     assert!((5..20).contains(&count), "{count}");
 }
 

@@ -31,7 +31,7 @@ fn quantity(outcome: &Outcome, name: &str) -> f64 {
     found.unwrap().value.unwrap()
 }
 
-/// Exit status and headline of the standing.
+/// Exit status and headline of an outcome.
 fn standing(outcome: &Outcome) -> (u8, String) {
     let words = outcome.verdict.headline(&outcome.summary);
     (outcome.verdict.standing().exit_status(), words)

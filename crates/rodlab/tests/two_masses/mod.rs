@@ -90,7 +90,7 @@ pub(crate) struct Hammer {
     pub(crate) noise: f64,
     pub(crate) hits: usize,
     pub(crate) seed: u64,
-    /// Peak of the first hit \[N\]; each has 20 N more than the one before.
+    /// Peak of the first hit \[N\]; each further hit is 20 N harder.
     pub(crate) peak: f64,
 }
 

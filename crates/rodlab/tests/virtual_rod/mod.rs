@@ -176,7 +176,7 @@ pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed:
 /// A long rod of masses, springs and parallel dashpots, struck at one end and integrated explicitly
 /// in time, with strains at two sections.
 ///
-/// Its modulus is E + iωη; masses at a distance dx cause a relative error of E of (k dx)²/12, 5e-4
+/// Its modulus is E + iωη. With masses at a distance dx the relative error of E is (k dx)²/12: 5e-4
 /// at 8 kHz.
 pub(crate) struct LongRod {
     pub(crate) length: f64,
