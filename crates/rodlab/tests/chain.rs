@@ -204,7 +204,7 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
     assert!(doubts <= 1 + seeds as usize / 10, "{doubts}");
 }
 
-/// Force \[N\] at a time \[s\] on a long rod of the true material that a mass of 2 kg strikes at 3
+/// Force \[N\] at a time \[s\] when a mass of 2 kg strikes a long rod of the true material at 3
 /// m/s, after a Gaussian low-pass of 10 kHz: $`m s V - m v_0 = -Z V`$ on the imaginary axis.
 fn force_at(time: f64) -> f64 {
     const STEP: f64 = std::f64::consts::TAU * 4.0;

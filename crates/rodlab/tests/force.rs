@@ -41,8 +41,8 @@ fn a_mass_on_a_long_rod_presses_with_a_falling_exponential() {
         // most 1.6e-5
         let exact = impedance * velocity * (-impedance / mass * t).exp();
         assert!((f / exact - 1.0).abs() < 1.6e-5, "{t}: {f}, exact {exact}");
-        // the force is proportional to the velocity; tolerance: 200 draws determine its error to 5
-        // %
+        // the force is proportional to the velocity; tolerance: the error from 200 draws is known
+        // to 5 %
         assert!((error / (0.01 * f) - 1.0).abs() < 0.15, "{t}: {error}");
     }
     // the mass still has a fraction exp(-8) = 3.4e-4 of its momentum

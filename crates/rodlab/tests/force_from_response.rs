@@ -179,7 +179,7 @@ fn what_contradicts_the_noise_is_said() {
         &format!(r#"{TIKHONOV}, {ACTING}, noise: White("0.5 m/s2")"#),
     );
     doubts(&folder.run(&text).unwrap())[0].must_say("the noise is underestimated");
-    // the path is that of a body with another stiffness
+    // the path is that of a body with another spring
     accelerance(
         folder.path(),
         Body {
@@ -280,9 +280,9 @@ fn what_cannot_be_is_refused_where_it_stands() {
 }
 
 /// Five measured hits: the force of each is reconstructed from its response and the other four
-/// hits, and the measured force lies inside its band. Four of the largest samples agree within 0.4
-/// % and that of the hardest hit within 0.8 %; the root mean square difference of the histories is
-/// at most 0.33 % of the peak.
+/// hits, and the measured force lies inside its band. The largest samples agree within 0.4 % in
+/// four cases and within 0.8 % for the hardest hit; the root mean square difference of the
+/// histories is at most 0.33 % of the peak.
 #[test]
 fn a_measured_blow_comes_back_from_the_other_hits() {
     let Some(hammer) = measured::folder().map(|data| data.join("hammer")) else {
@@ -345,8 +345,8 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
 }
 
 /// Eight calibration hits and another hit, with noise of 0.3 % of the peak, in a band from 20 Hz to
-/// 5 kHz: peak and impulse agree with the true values within 3.5 standard errors, which are below 5
-/// %.
+/// 5 kHz: peak and impulse agree with the true values within 3.5 standard errors, and these are
+/// below 5 % of the values.
 #[test]
 fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
     let noise = 0.9;

@@ -100,8 +100,8 @@ fn a_measured_body_presses_as_the_body_itself() {
     let time = column(&outcome, "force", "time");
     let force = column(&outcome, "force", "force");
     for (t, f) in time.iter().zip(force) {
-        // tolerance: the band ends at 6 kHz, so that the force rings after the initial jump of 2
-        // kN; 0.5 ms later the amplitude is 1/(2 pi^2 6 kHz 0.5 ms) = 1.7 % of the jump
+        // tolerance: the band ends at 6 kHz, so that the force rings after its initial jump (2 kN);
+        // 0.5 ms later the amplitude is 1/(2 pi^2 6 kHz 0.5 ms) = 1.7 % of the jump
         if *t > 0.5e-3 && *t < 4.9e-3 {
             let exact = at(*t);
             assert!((f - exact).abs() < 0.03 * 2e3, "{t}: {f}, exact {exact}");

@@ -67,7 +67,7 @@ targets! {
     sheets: ratio_table recognition response_table sheet unit;
 }
 
-/// Every target and every folder of inputs is included in the gate.
+/// Every fuzz target and every folder of inputs is replayed.
 #[test]
 fn every_target_is_replayed() {
     let names = |folder: &str| -> BTreeSet<String> {

@@ -102,8 +102,8 @@ fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
         let at = names.position(|own| own == number).unwrap();
         let linear = column(&outcome, "monte_carlo", "standard error")[at];
         let ratio = column(&outcome, "monte_carlo", "Monte Carlo standard error")[at] / linear;
-        // tolerance: four standard errors of the scatter of 60 draws, and of the 200 draws from
-        // which the error of the force follows
+        // tolerance: four standard errors of the ratio, from 60 draws and, for the force, the 200
+        // draws of its own error
         assert!((ratio - 1.0).abs() < 0.4, "{number}: {ratio}");
     }
 }

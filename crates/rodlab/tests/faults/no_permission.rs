@@ -85,8 +85,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     rows
 }
 
-/// Words before the program that run it as an ordinary user, empty if the tests are run by one;
-/// `None` if this is not possible.
+/// Prefix of a command that runs the program as an ordinary user. It is empty if an ordinary user
+/// runs the tests, and `None` if there is no way to change the user.
 fn user() -> Option<Vec<&'static str>> {
     let probe = tempfile::NamedTempFile::new().unwrap();
     if fs::metadata(probe.path()).unwrap().uid() != 0 {

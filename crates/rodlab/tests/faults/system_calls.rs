@@ -50,7 +50,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
                     command.args(["-e", &inject]);
                     let ran = run(with_program(&mut command));
                     if ran.status == Some(0) {
-                        // the number of calls before `main` varies
+                        // the number of calls before `main` varies, so that the run may end before
+                        // this call
                         return match after_the_kill(&ran, folder.path(), before, &later) {
                             Came::Stopped => Came::Stopped,
                             other => other,
@@ -76,7 +77,7 @@ fn with_program(command: &mut Command) -> &mut Command {
     command.args([PROGRAM, "force", "hit.ron", "--quiet", "--out", "out"])
 }
 
-/// All these calls of a run, by name and number.
+/// Name and number of each of the [`CALLS`] of a run.
 fn calls(before: &Files) -> Vec<(String, usize)> {
     let folder = struck_mass::folder();
     put(&folder.file("out"), before);

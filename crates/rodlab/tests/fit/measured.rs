@@ -46,8 +46,7 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     assert_eq!(numbers(&outcome, "data", "frequency").len(), 210);
     assert!(shifts.is_sorted_by(|a, b| a > b), "{shifts:?}");
 
-    // tolerance: the residual was 1.5 % of |E|; the instrument's own error at 100 Hz is the largest
-    // part
+    // tolerance: 1.5 % of |E| was found; the error of the instrument at 100 Hz is the largest part
     let residual = quantity(&outcome, "residual of the master curve");
     let residual = residual.value.unwrap();
     println!("residual {residual} % of |E|");

@@ -233,8 +233,8 @@ fn hopkinson_copper_has_a_clock_of_single_precision() {
         };
         let lags = (0..140).map(|k| 388e-6 + 0.05e-6 * f64::from(k));
         let period = lags.min_by(|a, b| unlike(*a).total_cmp(&unlike(*b)));
-        // expected: 2 L/c is 390.42 us, or 391.57 us in the times of the record; dispersion at 20
-        // kHz adds 0.35 us
+        // expected: the period 2 L/c is 390.42 us, or 391.57 us in the times of the record; the
+        // dispersion at 20 kHz adds 0.35 us
         let expected = 2.0 / STEEL.1 * 340.0 / 339.0;
         let off = period.unwrap() - expected;
         println!("{off:e}");
