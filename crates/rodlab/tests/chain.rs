@@ -375,8 +375,8 @@ fn chain_material_in_a_virtual_test_is_its_law() {
     }
 }
 
-/// Verification of a force on a measured bar names the files that were changed since, those of the
-/// result and those of its source.
+/// Verification of a force on a measured bar names the changed files of its result and of the
+/// result for the bar.
 #[test]
 fn chain_of_results_is_verified() {
     let folder = Folder::new();

@@ -154,8 +154,8 @@ fn one_shot_gives_the_modulus_of_a_polymer_bar() {
     );
 }
 
-/// At a constant strain rate the stress is 10 MPa (rate/8)^(1/4) of the dashpot plus that of the
-/// spring of 50 MPa in parallel.
+/// At a constant strain rate the stress is the sum of 10 MPa (rate/8)^(1/4) in the dashpot and the
+/// stress of a spring of 50 MPa in parallel.
 #[test]
 fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
     let result = result_of("shpb", "shpb");

@@ -222,9 +222,8 @@ fn what_cannot_be_is_refused_where_it_stands() {
     ");
 }
 
-/// A rod of a lossy material, with mobilities measured at both faces and a stated delay and scale
-/// of the rig, is joined to a computed rod in front and a dashpot behind: the force is that on one
-/// rod of both lengths.
+/// A lossy rod with mobilities at both faces and a scale uncertainty, behind a computed rod and in
+/// front of a dashpot: the force is that on one rod of both lengths.
 #[test]
 fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
     use num_complex::Complex64;

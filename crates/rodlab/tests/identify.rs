@@ -65,7 +65,8 @@ fn is_rejected(outcome: &Outcome, name: &str) {
     found.verdict.must_begin("rejected");
 }
 
-/// Entries of tests at 3 and 24 m/s, whose records are written with noise of 0.5 % of the velocity.
+/// Writes the records of tests at 3 and 24 m/s with noise of 0.5 % of the velocity, and returns
+/// their entries.
 fn slow_and_fast(folder: &Folder, truth: &impl InelasticLaw) -> [String; 2] {
     [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)].map(|(file, velocity, seed)| {
         let path = folder.file(file);
@@ -111,8 +112,8 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     assert!(outcome.inputs.iter().all(|input| input.sha256.len() == 64));
 }
 
-/// The length of the rod in the fast test is stated 10 mm too large, which corresponds to a modulus
-/// that is 5 % too high.
+/// If the length of the rod in the fast test is stated 10 mm too large, its modulus is 5 % too high
+/// and contradicts the slow test.
 #[test]
 fn tests_that_contradict_each_other_are_in_doubt() {
     let folder = Folder::new();
@@ -206,7 +207,7 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
     wrong.must_say("next.rods.gaps is 8 mm, expected above 0 and less than every length");
 }
 
-/// Entries of two tests behind a flat striker of 3 and 27 m/s, whose records are written.
+/// Writes the records of two tests with a flat striker at 3 and 27 m/s, and returns their entries.
 fn behind_a_flat_striker(folder: &Folder, truth: &impl InelasticLaw, own: &str) -> Vec<String> {
     let tests = [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)];
     let entries = tests.map(|(file, velocity, seed)| {

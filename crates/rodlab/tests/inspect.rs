@@ -212,7 +212,7 @@ fn the_measured_files_are_all_described() {
     let Some(data) = measured::folder() else {
         return;
     };
-    // a shock on a drop table during which the acquisition failed, as documented
+    // a shock on a drop table; the documentation of the file states that the acquisition failed
     let failed = inspect(&data.join("shock/Test_017.lvm")).unwrap();
     assert!(!failed.suspicions.is_empty(), "{}", failed.to_text());
     let mut described = 0;

@@ -1,4 +1,4 @@
-//! Sheets in TOML, RON and JSON: the same sheet in each, and all mistakes of one at once.
+//! The same sheets in TOML, RON and JSON, and messages that list all mistakes of a sheet.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -102,8 +102,8 @@ fn json_has_the_form_of_toml() {
     assert_eq!(fields(json), fields(ron));
 }
 
-/// A stated value is listed as it is written, with its place; fields that are not stated follow
-/// with their defaults.
+/// A stated value is listed as it is written, with the name of its field; fields that are not
+/// stated follow with their defaults.
 #[test]
 fn settings_are_the_statements_of_a_sheet_and_what_they_leave_open() {
     let ron = r#"Force(

@@ -1,5 +1,6 @@
-//! Mobilities from sheets: from virtual hits on two masses with a spring and a dashpot between
-//! them, integrated in time and compared with the closed form; from files; of computed bodies.
+//! Mobilities from virtual hits, from files and of computed bodies. The hits on two masses with a
+//! spring and a dashpot between them are integrated in time; the expected mobility is the closed
+//! form.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -90,7 +91,8 @@ fn hits_give_the_mobility_within_its_errors() {
     }
     assert_eq!(outcome.log.iter().filter(|entry| entry.accepted).count(), 8);
     assert_eq!(outcome.inputs.len(), 8);
-    // the impulse response begins with the impedance of the face, which is not stated
+    // there is no impulse response, because the impedance of the face, with which it begins, is not
+    // stated
     assert_eq!(figures_of(&outcome), "mobility, nyquist");
     outcome.warnings.must_begin("There is no impulse response");
 

@@ -369,7 +369,8 @@ fn names_and_times_of_the_file_contradict_no_sheet() {
             r#"(files: ["hit.csv"], channels: [(name: "input", from: 1, unit: "N")])"#,
         ]
     ));
-    // sheets that agree with the file: the right names, and the rate for times in ms
+    // accepted: sheets that agree with the file, with the right names or with the rate of times in
+    // ms
     for sheet in [
         sheet(
             "1 kHz",

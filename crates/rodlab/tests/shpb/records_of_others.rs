@@ -175,7 +175,7 @@ fn hopkinson_measured_epoxy_is_evaluated() {
         "{ratio} {difference}"
     );
     // a face cannot pull: with the wave speed from the passages the force on the incident face
-    // stays compressive, with that from the stated modulus it becomes tensile
+    // stays compressive, with the speed of the stated modulus it becomes tensile
     let found = outcome(&files, &sheet("0.000501").replace("210 GPa", "208.15 GPa")).unwrap();
     let [stated, found] = [&right, &found].map(|outcome| {
         let force = column(outcome, "faces", "force of the incident face").iter();
