@@ -62,7 +62,7 @@ pub enum Command {
         input: PathBuf,
         /// The file to write.
         output: PathBuf,
-        /// Accepted losses, and the form of universal files.
+        /// Options of the conversion.
         #[command(flatten)]
         options: ConvertArguments,
     },

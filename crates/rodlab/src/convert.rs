@@ -1,8 +1,8 @@
 //! Conversion of a file to another format.
 //!
-//! Values are never lost: a format that cannot store them is refused. The written file is read back
-//! and compared with its source. The losses are listed: names, units and notes that the new format
-//! cannot store, and numbers that it stores with fewer digits.
+//! No value is left out: a format that cannot store the values of the source is refused. The
+//! written file is read back and compared with its source. The losses are listed: names, units and
+//! notes that the new format cannot store, and numbers that it stores with fewer digits.
 
 mod differences;
 mod fit;

@@ -5,8 +5,8 @@ mod number;
 pub(crate) use number::{alone, in_line, with_error, with_unit};
 pub(crate) use rodwave::digits::{percent, significant};
 
-/// Returns `value` to four significant digits without trailing zeros. From 1e3 to 1e5 it has all
-/// digits before the decimal point; below 1e-3 and from 1e5 on it is in exponential notation.
+/// Returns `value` to four significant digits without trailing zeros; from 1e3 to 1e5 as a whole
+/// number; below 1e-3 and from 1e5 on in exponential notation.
 #[must_use]
 pub(crate) fn short(value: f64) -> String {
     let magnitude = value.abs();

@@ -23,8 +23,8 @@ pub struct Draw {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct DrawnLaws {
     /// Laws of a modulus whose parameters are all identifiable; fits to the drawn data start from
-    /// them. A Prony series is excluded, because its errors include the error of the number of its
-    /// branches.
+    /// them. A Prony series is excluded, because its errors include the uncertainty of the number
+    /// of its branches.
     pub(crate) of_modulus: Vec<FittedLaw>,
     /// Laws of an impacted rod.
     pub(crate) of_rod: Vec<Law>,

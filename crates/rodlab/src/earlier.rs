@@ -16,9 +16,9 @@ struct Written {
     verdict: Verdict,
 }
 
-/// Returns the first reason against the earlier result that wrote the file at `path` with these
-/// `bytes`; `None` if the result is answered, or if no `result.json` in the folder of the file
-/// lists it.
+/// Returns the first reason for doubt about the earlier result to which the file at `path` with
+/// these `bytes` belongs; `None` if the verdict on the result is `answered`, or if no `result.json`
+/// in the folder of the file lists the file with the hash of these bytes.
 pub(crate) fn doubt(path: &Path, bytes: &[u8]) -> Option<String> {
     let result = input::read(&path.with_file_name(RESULT)).ok()?;
     let written: Written = serde_json::from_slice(&result).ok()?;
@@ -55,7 +55,7 @@ mod tests {
         assert_eq!(doubt(&path, b"lines"), None);
         standing(r#"{"answer": "in doubt", "reasons": ["one", "two"]}"#);
         assert_eq!(doubt(&path, b"lines").as_deref(), Some("one"));
-        // the hash differs from that in `result.json`: another run wrote the file
+        // the hash differs from that in `result.json`, so the file does not belong to this result
         assert_eq!(doubt(&path, b"other lines"), None);
         standing(r#"{"answer": "not allowed", "reasons": ["none"]}"#);
         assert_eq!(doubt(&path, b"lines").as_deref(), Some("none"));

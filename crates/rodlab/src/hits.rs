@@ -105,7 +105,7 @@ impl HitsSheet {
     /// channel; `field` is the place of this part in the sheet.
     ///
     /// All hits, accepted or not, are numbered from 1 in the order of the records. It is not an
-    /// error if no hit is accepted; the job decides what follows from it.
+    /// error if no hit is accepted; each job handles this case.
     ///
     /// # Errors
     ///

@@ -138,9 +138,10 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         format::read_bytes_with(bytes, Strictness::Tolerant).in_step(format!("reading {path}"))?;
     let is_table = is_table(&contents);
     let times = contents.series.first().and_then(time_like::step_of);
-    // in a table, a column that increases evenly may number the rows
+    // in a table, an evenly increasing column may contain row numbers instead of times
     let times = times.filter(|_| !is_table);
-    // a job with this sampling rate reads such a column as times and counts the channels after it
+    // if the sheet states this sampling rate, a job reads the column as times and numbers the
+    // channels from the next column
     let behind = times.and_then(|step| format::read_bytes_at(bytes, 1.0 / step).ok());
     let behind = behind.filter(|behind| behind.series.len() + 1 == contents.series.len());
     let column_of_times = times.filter(|_| behind.is_some());
@@ -259,8 +260,8 @@ impl InspectedSeries {
 }
 
 /// Returns true if the series are columns of a table, not time histories: at least two columns in
-/// Pa with a frequency, or, in a text or spreadsheet file, frequencies or temperatures without
-/// times.
+/// Pa together with frequencies, or, in a text or spreadsheet file, columns of frequencies or
+/// temperatures and no times.
 fn is_table(contents: &Contents) -> bool {
     let of = |axis: &SeriesAxis, symbol: &str| {
         let expected = labio::Unit::parse(symbol).map(|unit| unit.dimension());
@@ -303,8 +304,8 @@ fn in_words(contents: &Contents) -> String {
     )
 }
 
-/// Returns the statements that a sheet must add to the file, and sampling rates that may have been
-/// rounded.
+/// Returns sentences about missing units and sampling rates, which a sheet must state, and about
+/// sampling rates that may have been rounded.
 fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let mut advice = Vec::new();
     let numbers = |is: &dyn Fn(&Series) -> bool| -> Vec<String> {
@@ -374,16 +375,16 @@ fn channels(numbers: &[String]) -> String {
     format!("channel{plural} {}", text::listed(numbers))
 }
 
-/// Returns the customary sampling rate \[Hz\] whose step may have been rounded to `step`, which is in
-/// the unit of the file and belongs to the rate `rate_hz`; `None` if there is no such rate or its
-/// step is exactly `step`.
+/// Returns the customary sampling rate \[Hz\] whose reciprocal, rounded, may be `step`. `step` is
+/// in the unit of the file, and its reciprocal is `rate_hz` in Hz. Returns `None` if there is no
+/// such rate, or if it equals `rate_hz`.
 fn rounded_from(step: f64, rate_hz: f64) -> Option<f64> {
     let text = format!("{step:e}");
     let (digits, exponent) = text.split_once('e')?;
     let decimals = digits
         .split_once('.')
         .map_or(0, |(_, decimals)| decimals.len());
-    // a step with more than six decimals was not rounded for readability
+    // a step with more than seven significant digits is not a rounded one
     if decimals > 6 {
         return None;
     }

@@ -15,11 +15,11 @@ use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 
-/// Default of the largest number of fitted lines.
+/// Default of the maximum number of fitted lines.
 pub(crate) const MOST_LINES: usize = 400;
 /// Maximum number of randomly drawn cards for one program.
 const MOST_DRAWS: usize = 1000;
-/// Probability below which residuals do not count as noise.
+/// Maximum probability with which the whiteness tests reject residuals that are white.
 pub(crate) const WHITE: f64 = 0.01;
 
 /// Laws to be fitted.

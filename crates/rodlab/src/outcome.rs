@@ -101,8 +101,8 @@ impl Outcome {
     }
 
     /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause
-    /// without a full stop. Repeated reasons count once. If the data do not allow an answer, the
-    /// reason becomes a warning, because it may explain this.
+    /// without a full stop. A repeated reason is listed once. If the data do not allow an answer,
+    /// the reason becomes a warning, because the failed check may explain why there is no answer.
     pub fn doubt(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         match &mut self.verdict {
@@ -130,7 +130,8 @@ impl Outcome {
     }
 
     /// States that the data do not allow an answer; `reason` is a clause without a full stop.
-    /// Earlier doubts become the first warnings, because they may explain this.
+    /// Earlier doubts become the first warnings, because the failed checks may explain why there is
+    /// no answer.
     pub fn refuse(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         let earlier = std::mem::replace(&mut self.verdict, Verdict::NotAllowed { reason });
@@ -140,8 +141,8 @@ impl Outcome {
         }
     }
 
-    /// States that the data do not allow an answer, like [`Self::refuse`], and `denial` and reason
-    /// as the first finding.
+    /// States that the data do not allow an answer, like [`Self::refuse`], and adds a first finding
+    /// that consists of `denial` and `reason`.
     pub(crate) fn deny(&mut self, denial: &str, reason: impl Into<String>) {
         let reason = reason.into();
         self.lead(format!("{denial}: {reason}."));

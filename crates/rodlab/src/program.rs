@@ -297,8 +297,8 @@ fn one_sheet(
     Ok(Ending::With(standing))
 }
 
-/// Returns true if both the standard output and the standard error are terminals, where the message
-/// follows the result.
+/// Returns true if both the standard output and the standard error are terminals. A reason that has
+/// been printed with the result is then not repeated on the standard error.
 fn is_one_terminal() -> bool {
     io::stdout().is_terminal() && io::stderr().is_terminal()
 }

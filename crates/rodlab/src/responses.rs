@@ -66,9 +66,9 @@ pub fn in_words(validity: LineValidity) -> &'static str {
     }
 }
 
-/// Refuses a response that was estimated with an exponential window. Its lines are values at a
-/// decay rate, away from the frequency axis, and do not determine the values on the axis. `field`
-/// is the place of the response in the sheet.
+/// Refuses a response that was estimated with an exponential window. Its lines are values at
+/// complex frequencies, off the frequency axis by the decay rate of the window, and do not
+/// determine the values on the axis. `field` is the place of the response in the sheet.
 pub(crate) fn expect_undamped(
     response: &FrequencyResponse,
     field: &str,

@@ -31,11 +31,11 @@
 //! is read into the same kind of tree, whose values have their places in the text. One deserializer
 //! reads the tree, maps the names of choices (`two_point`, `TwoPoint`) and collects all mistakes.
 //!
-//! Quantities are texts with a unit. A measured quantity may have a `±` if the job propagates its
-//! uncertainty to the result ([`Stated`]). Any other quantity is refused if it has a `±`: chosen
-//! quantities are exact by definition ([`Exact`]), and for some measured quantities the propagation
-//! is not implemented ([`NotFollowed`]). Thus every accepted `±` has an effect. Numbers without
-//! quotes are exact by definition. Paths are relative to the sheet.
+//! Quantities are written as texts with a unit. A measured quantity may have a `±` if the job
+//! propagates its uncertainty to the result ([`Stated`]). Any other quantity is refused if it has a
+//! `±`: chosen quantities are exact by definition ([`Exact`]), and for some measured quantities the
+//! propagation is not implemented ([`NotFollowed`]). Thus every accepted `±` has an effect. Numbers
+//! without quotes are exact by definition. Paths are relative to the sheet.
 
 mod band;
 mod diagnostic;

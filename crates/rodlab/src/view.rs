@@ -150,7 +150,8 @@ struct RuleRequest {
     ruling: String,
 }
 
-/// Request of a page to save a sheet: the new text, and the hash of the file that it has read.
+/// Request of a page to save a sheet: the new text, and the hash of the file that the page has
+/// read.
 #[derive(Deserialize)]
 struct SaveRequest {
     text: String,
