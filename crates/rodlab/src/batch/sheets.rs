@@ -155,8 +155,8 @@ impl Search {
         Ok(())
     }
 
-    /// Returns true if a sheet or a link to a folder, whose sheets may have other names, was found
-    /// at `root` or below.
+    /// Returns true if `root` is or contains a sheet or a followed link. A link is included because
+    /// the sheets in its folder may be listed under paths that are not below `root`.
     fn has_below(&self, root: &Path) -> bool {
         let mut found = self.sheets.keys().chain(&self.followed);
         found.any(|path| path.starts_with(root))

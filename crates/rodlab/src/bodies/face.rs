@@ -235,8 +235,8 @@ fn chain(
     }
 }
 
-/// The builders of the two kinds of chain differ only in the argument of their media, for which
-/// `rodwave` has no common trait. This macro therefore makes both functions.
+/// Defines the function that builds one of the two kinds of chain. A macro is used because the
+/// builders differ in the argument of their media, for which `rodwave` has no common trait.
 macro_rules! chain_of {
     ($name:ident, $argument:ty, $begin:expr, $($kind:ident)|+) => {
         fn $name(
@@ -261,7 +261,7 @@ macro_rules! chain_of {
                     (ElementSheet::Mass(mass), _) => body.mass(mass.nominal()),
                     (ElementSheet::Spring(stiffness), _) => body.spring(stiffness.nominal()),
                     (ElementSheet::Dashpot(resistance), _) => body.dashpot(resistance.nominal()),
-                    // not reached: `chain` has chosen the function by the kinds of the materials
+                    // not reached: `chain` chooses the function by the kinds of the materials
                     _ => body,
                 };
             }

@@ -5,7 +5,7 @@ use super::material_sheet::{LawSheet, Materials};
 use crate::RodlabError;
 use crate::sheet::{Kind, Stated};
 
-/// A replacement of stated quantities: by draws within their uncertainties, or by an error for
+/// A pass over the stated quantities, which replaces them by draws or shifted values, or refuses
 /// every quantity with an uncertainty.
 pub(crate) trait Replacement {
     /// Replaces the quantity `stated`; `field` is its place in the sheet.

@@ -55,7 +55,8 @@ pub(crate) fn with_unit(value: f64, error: Option<f64>, unit: &str) -> String {
     format!("{} {prefix}{unit}", number.replace('−', "-"))
 }
 
-/// Returns `value` to five significant digits.
+/// Returns `value` to five significant digits without trailing zeros; numbers from 1e5 to 1e6 are
+/// rounded to whole numbers.
 pub(crate) fn alone(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
@@ -76,8 +77,9 @@ pub(crate) fn alone(value: f64) -> String {
     ))
 }
 
-/// Returns the numbers of one column, with the same number of decimals if their sizes allow it. The
-/// greatest has five digits, or six from 1000 on. Values that are not finite are empty.
+/// Returns the numbers of one column, with the same number of decimals if the greatest is at most
+/// 1000 times the least. The greatest has at least five digits, or six from 1000 on, less trailing
+/// zeros that all numbers have. Values that are not finite are empty.
 pub(crate) fn in_line(values: &[f64]) -> Vec<String> {
     let sizes = || {
         values

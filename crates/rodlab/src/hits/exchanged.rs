@@ -45,7 +45,8 @@ impl FoundHits {
         Ok(doubts)
     }
 
-    /// Returns a warning if the impacts are negative in the channel `force`.
+    /// Returns a warning if more than half of the impacts are negative in the channel `force`. A
+    /// channel that is not a force gives no warning.
     ///
     /// # Errors
     ///
@@ -57,7 +58,8 @@ impl FoundHits {
             let mut channels = hit.channels().iter();
             let is_force = channels.any(|c| c.name() == force && c.quantity() == Quantity::Force);
             let samples = hit.channel(force).map_err(comparing)?;
-            // the mean is the rest level, because an impact is too short to change it
+            // the mean is nearly the rest level, because an impact is short compared with the
+            // record
             let level = samples.mean().unwrap_or(0.0);
             let largest = samples.iter().map(|x| x - level);
             let largest =

@@ -1,4 +1,4 @@
-//! Independence of hits: each is a separate measurement.
+//! Tests for hits or channels that are the same measurement.
 
 use labio::hits::{Copy, find_copy, find_near_copies};
 use labio::{AveragedSpectra, Record};
@@ -7,13 +7,14 @@ use super::{FoundHits, comparing, windows_of_analyser};
 use crate::digits::significant;
 use crate::{InStep, RodlabError};
 
-/// Probability of a wrong doubt about independent hits.
+/// Probability that independent hits are doubted.
 const LEVEL: f64 = 0.01;
 
 /// Refuses accepted hits of `sets` that are the same measurement, and `channels` that have the same
 /// samples. Returns one reason for doubt for each pair of hits that differ by less than their noise
-/// ([`find_near_copies`]). If the analyser has applied a window, the noise before a hit is not that
-/// of the hit, and only the windows are reasons for doubt.
+/// ([`find_near_copies`]). If the analyser has applied a window, the noise before an impact does
+/// not represent the noise of the whole hit; pairs are then not compared, and the windows are the
+/// reasons for doubt.
 pub(crate) fn expect_independent(
     sets: &[&FoundHits],
     channels: &[&str],

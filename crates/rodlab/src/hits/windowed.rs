@@ -8,8 +8,8 @@ use crate::RodlabError;
 use crate::digits::significant;
 
 /// Returns one reason for doubt for each of `channels` whose noise falls between the beginning and
-/// the end of `hits` ([`find_falling_noise`]). The windows of a sheet act on records without
-/// windows, and none of its fields states a window of the analyser.
+/// the end of `hits` ([`find_falling_noise`]). A sheet cannot state that the analyser has applied a
+/// window: the windows in a sheet are those that this program applies.
 pub(crate) fn windows_of_analyser(
     hits: &[&Record],
     channels: &[&str],

@@ -56,8 +56,8 @@ fn of_values(values: impl Iterator<Item = f64>) -> (Option<Levels>, usize) {
             levels.peak = value.abs();
             levels.peak_at = index;
         }
-        // running mean, and running square about it: an offset does not reduce the precision of the
-        // square
+        // running mean, and running sum of squares about it, whose precision does not depend on an
+        // offset
         let step = value - levels.mean;
         levels.mean += step / n;
         squares += step * (value - levels.mean);
@@ -82,7 +82,7 @@ mod tests {
         let (levels, not_finite) = Levels::of(&Ordinate::Real(values));
         let levels = levels.unwrap();
         assert_eq!((not_finite, levels.peak_at), (1, 25));
-        // rounding errors of sums of a thousand numbers
+        // tolerance: rounding errors of sums of a thousand numbers
         assert!((levels.mean - 3.0).abs() < 1e-12);
         assert!((levels.rms - 17.0_f64.sqrt()).abs() < 1e-12); // 3² + 4²/2
         assert!((levels.greatest - 7.0).abs() < 1e-12 && (levels.least + 1.0).abs() < 1e-12);

@@ -64,8 +64,8 @@ pub(super) fn attach(
     let at = at.unwrap_or_else(|| lines.data.middle_frequency_hz());
     let card = match card.with_poisson_ratio_at(at, ratio.standard_uncertainty) {
         Ok(card) => card,
-        // the elastic bulk modulus follows from this ratio; with it, the card may not describe a
-        // possible solid at frequencies at which the modulus is different
+        // the elastic bulk modulus is computed from the ratio at one frequency; at frequencies with
+        // a different modulus, the card may then be physically impossible
         Err(error @ CmodError::NonPhysical { .. }) if asked.poisson_ratio_at.is_none() => {
             outcome.warn(format!(
                 "No card is written: {error}. The ratio is assumed to apply at {}; state `poisson_ratio_at` if it applies at another frequency.",

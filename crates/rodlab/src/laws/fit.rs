@@ -220,7 +220,8 @@ fn table(comparison: &Comparison) -> Table {
         .table
 }
 
-/// Figures of the laws over frequency and over time, as far as there are such lines.
+/// Figures of the laws over frequency, and over time after a step. A figure without lines is left
+/// out.
 fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) -> Vec<Figure> {
     let (frequency, hertz) = &lines.drawn.frequency;
     let (storage, pascal) = &lines.drawn.storage;
@@ -236,7 +237,8 @@ fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) ->
         .filter_map(|line| Some((line, hertz * lines.points.get(line)?.0)))
         .collect();
     let rows = comparison.rows.iter();
-    // in reduced time, every temperature has its own ramp
+    // steps instead of ramps, because in reduced time the ramps at different temperatures differ in
+    // length
     let steps = lines.data.clone().with_steps();
     let responses: Vec<(String, Vec<Complex64>)> = rows
         .map(|row| (row.fit.law.law().to_string(), row.fit.law.response(&steps)))

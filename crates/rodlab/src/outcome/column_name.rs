@@ -120,7 +120,7 @@ mod tests {
             let (from, to) = (Unit::parse(prefixed).unwrap(), Unit::parse(plain).unwrap());
             assert_eq!(from.dimension(), to.dimension());
             let ratio = from.to_si(1.0) / to.to_si(1.0) / factor;
-            // the tolerance allows a few rounding errors
+            // tolerance: a few rounding errors
             assert!((ratio - 1.0).abs() < 1e-14, "{prefixed}: {ratio}");
         }
     }

@@ -71,7 +71,7 @@ impl FolderLock {
                     drop(passage);
                     thread::sleep(PAUSE);
                 }
-                // on a file system without locks files are complete too, but the files of two
+                // on a file system without locks each file is still complete, but the files of two
                 // simultaneous runs may be mixed
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
                     return Self::taken(path, file, passage);
@@ -210,7 +210,7 @@ mod tests {
         let mut lock = FolderLock::of(folder.path()).unwrap();
         assert!(lock.listed().unwrap().iter().eq(["force.csv"]));
         lock.list(["result.json"].into_iter()).unwrap();
-        // the incomplete line is now listed too, as a name that no file has
+        // the incomplete name `resu` now has a line ending and is listed too; no file has this name
         assert!(lock.listed().unwrap().contains("result.json"));
     }
 

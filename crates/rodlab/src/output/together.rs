@@ -136,8 +136,8 @@ fn locked(folder: &Path) -> Result<FolderLock, RodlabError> {
     Ok(lock)
 }
 
-/// Removes temporary files of runs that ended early; because of the lock, no other run is writing
-/// here now.
+/// Removes temporary files of runs that ended early. Because of the lock, no other run is writing
+/// to the folder.
 fn remove_parts(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {

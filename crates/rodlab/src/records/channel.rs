@@ -35,8 +35,8 @@ pub struct ChannelSheet {
     /// Value at rest, in the unit of the file, which is subtracted.
     #[serde(default)]
     pub offset: f64,
-    /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or
-    /// `"0 us ± 2 us"`. A channel that is sampled late shows its signal early.
+    /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or `"0
+    /// us ± 2 us"`. With a positive delay, the uncorrected signal appears too early.
     pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.
     pub position: Option<NotFollowed<Coordinate>>,
@@ -95,8 +95,8 @@ impl Selector {
         }
     }
 
-    /// Returns the elements of `all` with the number or the name, which are several if they have
-    /// the same name.
+    /// Returns the elements of `all` with this number or this name. Several elements may have the
+    /// same name.
     pub(crate) fn matching<'a, T>(&self, all: &'a [T], name: impl Fn(&T) -> &str) -> Vec<&'a T> {
         match self {
             Self::Number(number) => {

@@ -10,9 +10,9 @@ use crate::{InStep, RodlabError};
 /// Largest relative difference between sampling rates that count as equal.
 const SAME_RATE: f64 = 1e-9;
 
-/// Largest difference between start times that count as equal, in steps; it allows for start times
-/// that are rounded to seven digits. Such a difference turns the phase between two channels by at
-/// most 3e-4 rad, at half the sampling rate.
+/// Largest difference between start times that count as equal, in steps. It allows for start times
+/// of up to 1000 steps that are rounded to seven significant digits. The phase error between two
+/// channels is then at most 3.2e-4 rad (at half the sampling rate).
 const SAME_START: f64 = 1e-4;
 
 /// Refuses a record whose samples are not at the times of the `first` record. Both records come

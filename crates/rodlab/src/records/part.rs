@@ -104,8 +104,8 @@ impl Records {
                     format!("a time history in {shown}"),
                 ));
             };
-            // only a file with one hit is left out: a file with several hits would be assembled
-            // wrongly
+            // a file with several hits is refused, because its remaining series would be combined
+            // with those of other hits
             let is_left_out = chosen.iter().all(|all| all.len() == 1) && is_lost_sample(&error);
             let reason = error.to_string();
             let error = RodlabError::step(format!("{place}, {shown}"), error);

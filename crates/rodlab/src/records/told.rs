@@ -86,7 +86,8 @@ impl FileStatement {
         }
     }
 
-    /// Returns the warning; it counts the files if there are several.
+    /// Returns the warning. If there are several files, it states their number and the first of
+    /// them.
     pub(super) fn warning(&self) -> String {
         let statement = &self.statement;
         match self.files.as_slice() {
@@ -127,8 +128,8 @@ impl Records {
     }
 
     /// Adds to `contents` the sampling rate and the units that the sheet states and the file does
-    /// not record. Returns the series of every channel of the file, which are several if the file
-    /// contains several hits.
+    /// not record. Returns, for each channel of the file, the indices of its series: one for each
+    /// hit in the file.
     pub(super) fn complete(
         &self,
         contents: &mut Contents,

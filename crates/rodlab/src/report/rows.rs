@@ -38,7 +38,7 @@ pub(super) struct QuantityRow<'a> {
 
 impl<'a> QuantityRow<'a> {
     pub(super) fn of(quantity: &'a Quantity) -> Self {
-        // if the error is larger than the value, the prefix suits the error
+        // the prefix suits the larger of value and error
         let sizes = [quantity.value, quantity.standard_error]
             .into_iter()
             .flatten();

@@ -143,7 +143,7 @@ fn a_long_table_shows_valid_rows_with_errors_beside_values_and_the_rest_to_unfol
     has("<summary>All 6 columns, 400 of 1000 rows</summary>");
     has("E&#x27; may be off by 3.1 %");
     has("<a href=\"modulus.csv\">");
-    // the legend is empty, because no row of the brief table has this letter
+    // the legend is empty, because no row of the brief table has a letter
     assert!(!page.contains("error of E&#x27; above its limit"), "{page}");
 }
 

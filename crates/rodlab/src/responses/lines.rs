@@ -13,15 +13,15 @@ pub(crate) struct JudgedLine {
     pub(crate) is_coherent: bool,
     /// True if the bias due to the noise at rest exceeds the random error.
     pub(crate) is_biased: bool,
-    /// True if the magnitude is below [`LEAST_SIGNAL`] standard errors of the neighbouring lines.
-    /// Lines of such a response that are coherent by their own errors are those on which noise
-    /// happens to be small or to add to the magnitude, which is then too large on average.
+    /// True if the magnitude is below [`LEAST_SIGNAL`] times the median standard error of this line
+    /// and its neighbours. If such a line is coherent by its own error, noise has probably reduced
+    /// the error or increased the magnitude, which is then too large on average.
     pub(crate) is_weak: bool,
 }
 
 /// Least magnitude in standard errors of the complex value.
 const LEAST_SIGNAL: f64 = 4.0;
-/// Number of lines on each side whose median error is that of the neighbourhood.
+/// Number of neighbouring lines on each side of a line.
 const NEIGHBOURS: usize = 8;
 
 /// Judges every line of `response` by the `coherences` of its tests, and by the noise at rest.

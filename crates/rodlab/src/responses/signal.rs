@@ -1,8 +1,8 @@
 //! Lines with a signal.
 
-/// Returns the first and the last line of the range with a signal. This is the range in which the
-/// lines with a coherence above that of chance outnumber the other lines by the largest number.
-/// Single antiresonances do not end the range, and chance peaks of noise do not extend it.
+/// Returns the first and the last line of the range with a signal: the range in which the number of
+/// lines with a coherence above the chance level exceeds the number of other lines by most. Single
+/// antiresonances do not end the range, and chance peaks of noise do not extend it.
 pub(crate) fn stretch_with_signal(
     above_chance: impl IntoIterator<Item = bool>,
 ) -> Option<(usize, usize)> {

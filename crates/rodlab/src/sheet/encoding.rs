@@ -11,7 +11,7 @@ use crate::RodlabError;
 /// Byte-order mark, which some editors write at the beginning of a text.
 pub(super) const MARK: char = '\u{feff}';
 
-/// The only format that has no signature: a text table.
+/// Name of the format of text tables, the only format without a signature.
 const TABLE: &str = "csv";
 
 /// Returns the text of the sheet at `path`, which must be UTF-8.
@@ -65,8 +65,8 @@ fn wide(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Returns the error for the first byte that is not UTF-8, with the character that this byte is in
-/// Latin-1.
+/// Returns the error for the first byte that is not UTF-8, with the character that this byte
+/// represents in Latin-1.
 fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
     let before = String::from_utf8_lossy(bytes.get(..at).unwrap_or_default());
     let line = before.matches('\n').count() + 1;

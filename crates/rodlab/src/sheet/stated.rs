@@ -352,7 +352,7 @@ mod tests {
             "912 kg/m3 +/- 0.2%",
         ] {
             let density = of(text).with_uncertainty();
-            // the tolerance allows two rounding errors
+            // tolerance: two rounding errors
             assert!((density.value - 912.0).abs() < 1e-12, "{text}");
             assert!((density.uncertainty() - 1.824).abs() < 1e-12, "{text}");
         }
@@ -369,7 +369,7 @@ mod tests {
         fn si<K: Kind>(text: &str) -> f64 {
             text.parse::<Stated<K>>().unwrap().with_uncertainty().value
         }
-        // each value may have one rounding error
+        // tolerance: one rounding error
         for (found, expected) in [
             (si::<Density>("1.15 g/cm3"), 1150.0),
             (si::<Density>("1.15 g/cm³"), 1150.0),

@@ -20,7 +20,7 @@ pub(super) const OF_ROD: [(&str, &str); 7] = [
 ];
 
 /// Returns the fields of the records in `table` of a sheet, and of the band, with the words for the
-/// options that state them. The channels have their options.
+/// options that state them. `channels` contains the option and the argument of each channel.
 pub(super) fn options_of<'a>(
     table: &str,
     channels: impl IntoIterator<Item = (&'a str, &'a ChannelArgument)>,
@@ -158,7 +158,7 @@ mod tests {
         ] {
             assert_eq!(said(field), format!("{option} is not stated, expected it"));
         }
-        // a mistake in the sheet is shown without its line and without an excerpt
+        // a mistake in the sheet is reported without line and excerpt
         let text = r#"job = "frf"
 title = "Frequency response"
 band = { from = "20", to = "10kHz" }
