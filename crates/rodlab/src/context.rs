@@ -41,7 +41,7 @@ impl JobContext<'_> {
         }
     }
 
-    /// Ends a job that only reads. Each job calls this when it has read all its files, the
+    /// Ends the job if it is only a check. Each job calls this when it has read all its files, the
     /// `inputs`, and checked its sheet, and before it computes. `warnings` are those found so far.
     pub(crate) fn has_read_all(
         &self,

@@ -50,8 +50,8 @@ const PREFIXES: [(f64, &str); 7] = [
     (1e-9, "n"),
 ];
 
-/// Returns the size and the symbol of the largest prefix with which the value is at least 1. A unit
-/// that is not used with prefixes gets none.
+/// Returns the size and the symbol of the largest prefix with which the absolute value is at least
+/// 1. No prefix is returned for a value below 10⁻⁹ or a unit that is not used with prefixes.
 #[must_use]
 pub(crate) fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
     let is_prefixed = matches!(
@@ -78,7 +78,7 @@ pub(crate) fn rate(rate_hz: f64) -> String {
     trimmed(&significant(rate_hz, 6)).to_owned()
 }
 
-/// Returns the number without trailing zeros behind the decimal point.
+/// Returns the number without trailing zeros after the decimal point.
 fn trimmed(text: &str) -> &str {
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.')

@@ -247,7 +247,7 @@ impl RodlabError {
         }
     }
 
-    /// Returns the error for a statement of the sheet that cannot be met.
+    /// Returns the error for a statement of the sheet that is impossible or not allowed.
     pub fn request(
         field: impl Into<String>,
         found: impl Into<String>,

@@ -547,7 +547,7 @@ impl Cells {
         match self {
             Self::Numbers(values) => values.len(),
             Self::Words(words) => words.len(),
-            // the shorter list counts, because beyond it cells would be empty
+            // the length of the shorter list, because cells beyond it would be empty
             Self::Validity { valid, words, .. } => valid.len().min(words.len()),
         }
     }

@@ -30,7 +30,7 @@ pub const INTERRUPTED: &str = "interrupted: all files that exist are complete";
 /// End of a run of the program, which determines the exit status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// Exit status of a standing: 0, 1, 2 or 3. Any problem has been reported before.
+    /// Exit status of a standing: 0, 1, 2 or 3. Any problem has already been reported.
     With(Standing),
     /// Interruption, with exit status 130.
     Interrupted,

@@ -200,7 +200,7 @@ pub fn init(job: JobName, rig: Option<Rig>, path: &Path) -> Result<(), RodlabErr
 mod tests {
     use super::*;
 
-    /// Returns every field of a sheet of `job`, with quantities as they are written.
+    /// Returns the sheet of `job` that is parsed from `text`, as debug text.
     fn parsed(job: JobName, text: &str) -> String {
         let sheet = crate::job::parse(Path::new("template"), text).unwrap();
         assert_eq!(sheet.name(), job.name());

@@ -7,7 +7,7 @@ use labio::{AddedDamping, Contents, Ordinate, Series, SeriesAxis};
 use crate::outcome::Attachment;
 use crate::{InStep, RodlabError};
 
-/// Maximum number of characters of a header line, with a margin.
+/// Maximum number of characters written to a header line, four fewer than the 80 of the format.
 const LINE: usize = 76;
 
 /// Returns `contents` as the file called `name`. The file is written as text, which all programs

@@ -40,7 +40,7 @@ const SCRIPT: &str = include_str!("view/page.js");
 const TICK: Duration = Duration::from_millis(10);
 /// Stack size of a thread that runs a job, equal to the usual size of a main thread.
 const STACK: usize = 8 << 20;
-/// Number of bytes of the token, so that it cannot be guessed.
+/// Number of random bytes of the token, enough to prevent guessing.
 const TOKEN: usize = 16;
 
 /// A sheet that is served.

@@ -79,9 +79,9 @@ impl Summary {
         )
     }
 
-    /// Returns the lines that the terminal shows above the [`sentence`](Self::sentence): each
-    /// distinct warning with the number of tests that have it, the most frequent first, and the
-    /// number of earlier results that were kept.
+    /// Returns the lines that the terminal shows above the [`sentence`](Self::sentence): the most
+    /// frequent warnings (at most five), each with the number of tests that have it; the number of
+    /// other warnings; and the number of earlier results that were kept.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();

@@ -77,9 +77,10 @@ pub(crate) fn alone(value: f64) -> String {
     ))
 }
 
-/// Returns the numbers of one column, with the same number of decimals if the greatest is at most
-/// 1000 times the least. The greatest has at least five digits, or six from 1000 on, less trailing
-/// zeros that all numbers have. Values that are not finite are empty.
+/// Returns the numbers of one column; values that are not finite are empty. If the greatest is
+/// between 1e-3 and 1e7 and at most 1000 times the least, all numbers have the same number of
+/// decimals: the greatest has at least five digits, or six from 1000 on, and decimals that are zero
+/// in all numbers are omitted. Otherwise each number has five significant digits.
 pub(crate) fn in_line(values: &[f64]) -> Vec<String> {
     let sizes = || {
         values

@@ -127,10 +127,10 @@ pub(super) fn attach(
     Ok(())
 }
 
-/// Seed of the draws, so that the same sheet and files give the same cards.
+/// Fixed seed of the draws, so that the same sheet and files give the same cards.
 const SEED: u64 = 1;
 
-/// Largest number of draws that are tried if a number is out of its range.
+/// Maximum number of draws for one card. A draw that is not a valid material is repeated.
 const MOST_TRIES: usize = 100;
 
 /// Returns one draw of `card`, with drawn errors of its series, its density and its Poisson's

@@ -35,8 +35,8 @@ pub struct ChannelSheet {
     /// Value at rest, in the unit of the file, which is subtracted.
     #[serde(default)]
     pub offset: f64,
-    /// Delay of the samples of this channel relative to the other channels, such as `"5 us"` or `"0
-    /// us ± 2 us"`. With a positive delay, the uncorrected signal appears too early.
+    /// Delay of the samples of this channel relative to the other channels: `"5 us"` or `"0 us ± 2
+    /// us"`, for example. With a positive delay, the uncorrected signal appears too early.
     pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.
     pub position: Option<NotFollowed<Coordinate>>,

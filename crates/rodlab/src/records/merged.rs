@@ -11,7 +11,7 @@ use crate::{InStep, RodlabError};
 const SAME_RATE: f64 = 1e-9;
 
 /// Largest difference between start times that count as equal, in steps. It allows for start times
-/// of up to 1000 steps that are rounded to seven significant digits. The phase error between two
+/// of up to 200 steps that are rounded to seven significant digits. The phase error between two
 /// channels is then at most 3.2e-4 rad (at half the sampling rate).
 const SAME_START: f64 = 1e-4;
 

@@ -30,7 +30,7 @@ impl Mistake {
     }
 }
 
-/// Minimum number of letters with which the beginning of a name stands for the whole name.
+/// Minimum number of letters by which a name is recognised from its beginning.
 const BEGINNING: usize = 3;
 
 /// Returns the only name of `expected` that begins with `found`, or otherwise the nearest name.

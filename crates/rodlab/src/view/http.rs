@@ -11,10 +11,10 @@ const MOST_OF_HEAD: usize = 16 << 10;
 const MOST_OF_BODY: usize = 4 << 20;
 /// Maximum number of headers of a request; browsers send about twenty.
 const MOST_HEADERS: usize = 64;
-/// Longest time to receive a request, and to send an answer.
+/// Longest wait for the next data of a request, and for the browser to accept data of an answer.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Longest time to receive the rest of a refused request.
+/// Longest wait for further data of a request after the answer has been sent.
 const LINGER: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Clone, PartialEq, Eq)]
