@@ -81,8 +81,8 @@ pub(crate) struct OutputFile {
 }
 
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and
-/// returns the paths. `reads` are the files that the run has read. None of them is ever replaced,
-/// and the date of the report is that of the newest.
+/// returns the paths. `reads` are the files that the run has read. None of them is ever replaced.
+/// The date of the report is that of the newest of them, unless `SOURCE_DATE_EPOCH` is set.
 ///
 /// Each file appears complete. The `result.json` of an earlier run is removed first, together with
 /// the files of that run that the new run does not write. The new `result.json` is written last, so
@@ -139,8 +139,8 @@ impl ResultFiles {
         Ok(Self { others, json })
     }
 
-    /// Returns the files of `outcome`. The date of the report is that of the newest file that the
-    /// run has read.
+    /// Returns the files of `outcome`. The date of the report depends on `reads`, the files that
+    /// the run has read, as in [`write`].
     pub(crate) fn dated(
         outcome: &Outcome,
         sheet: &SheetIdentity,
@@ -163,7 +163,7 @@ impl ResultFiles {
     }
 }
 
-/// Returns the report of `outcome`. Its date is that of the newest of the files `reads`.
+/// Returns the report of `outcome`. Its date depends on the files `reads`, as in [`write`].
 pub(crate) fn report_of(
     outcome: &Outcome,
     sheet: &SheetIdentity,

@@ -70,7 +70,7 @@ struct FigurePart<'a> {
 }
 
 /// Returns the page for the `outcome` of `sheet`, with the figures `drawn` in their order. `date`
-/// is the date of the newest input, if known.
+/// is the date of the report, if known.
 ///
 /// # Errors
 ///

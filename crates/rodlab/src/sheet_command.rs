@@ -166,8 +166,9 @@ impl FrfCommand {
     /// written first.
     ///
     /// # Errors
-    /// [`RodlabError::Request`] for several files without channels; [`RodlabError::Exists`] if
-    /// another sheet has this name already.
+    /// [`RodlabError::Request`] for several files without channels, and for `--rate`, `--band` or
+    /// `--save` together with a sheet; [`RodlabError::Exists`] if another sheet has the name of the
+    /// sheet to write.
     pub fn sheet(&self) -> Result<SheetCommand, RodlabError> {
         let Some(input) = &self.input else {
             let options = "one sheet, or recordings with --input and --output";

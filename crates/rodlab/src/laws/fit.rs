@@ -13,7 +13,7 @@ use crate::outcome::{Attachment, Quantity, Rows, Table, Verdict, shown_unit};
 use crate::{InStep, Outcome, RodlabError};
 
 /// Fits the laws of a sheet and adds them to `outcome`. Returns the comparison if at least one law
-/// could be fitted.
+/// could be fitted. In a Monte Carlo draw, it fits only the laws of the draw, and returns `None`.
 pub(crate) fn fit(
     outcome: &mut Outcome,
     lines: &Lines<'_>,

@@ -14,8 +14,9 @@ pub(crate) struct Lines<'a> {
     pub(crate) points: Vec<(f64, Complex64)>,
     /// Basis of the errors.
     pub(crate) error_scale: ErrorScale,
-    /// Probability of chi-square below which no law explains the lines, and the answer is in doubt;
-    /// `None` if the caller judges chi-square.
+    /// Probability of chi-square below which no law explains the lines, and the answer is in doubt.
+    /// It is used only if the errors of the lines are stated. `None` if the caller judges
+    /// chi-square.
     pub(crate) chance: Option<f64>,
     /// True to compute profiles of the parameters of a Prony series; this takes long for many
     /// branches.

@@ -1,5 +1,5 @@
-//! Date of a report. It is the date of the newest input, not the current time, so that the same
-//! files give the same report.
+//! Date of a report. Unless it is set by an environment variable, it is the date of the newest
+//! input, not the current time, so that the same files give the same report.
 
 use std::env;
 use std::fs;

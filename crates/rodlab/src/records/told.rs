@@ -389,8 +389,9 @@ fn namesake(contents: &Contents, name: &str, meant: &[usize]) -> Option<usize> {
     if own.any(has_name) { None } else { other() }
 }
 
-/// Returns the series that `selector` selects. A name selects all series with this name; a number
-/// selects the series with this number and all series with the same name at the same point.
+/// Returns the indices of the series that `selector` selects. A name selects all series with this
+/// name, with or without the point of the response after it. A number selects the series with this
+/// number and all series with the same name and the same point.
 fn meant(contents: &Contents, selector: &Selector) -> Vec<usize> {
     let all_that = |is_meant: &dyn Fn(&Series) -> bool| -> Vec<usize> {
         let all = contents.series.iter().enumerate();
