@@ -110,9 +110,9 @@ impl HitsSheet {
     /// # Errors
     ///
     /// [`RodlabError::Request`] with the field if a channel does not exist, the unit of a level
-    /// does not suit the channel, a decision names a hit that does not exist or that has a decision
-    /// already, accepted hits differ in sampling rate, or a hit shorter than the longest has not
-    /// come to rest at its end.
+    /// does not suit the channel, a decision has no reason or names a hit that does not exist, is
+    /// incomplete or has a decision already, accepted hits differ in sampling rate, or a hit
+    /// shorter than the longest has not come to rest at its end.
     pub fn find_of(
         &self,
         usual: HitKind,

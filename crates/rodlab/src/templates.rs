@@ -166,8 +166,8 @@ impl Rig {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`] if the file cannot be written; [`RodlabError::Request`] for a rig of
-/// another job. An existing file is never replaced.
+/// [`RodlabError::Exists`] if the file exists, because no file is replaced; [`RodlabError::Write`]
+/// if it cannot be written; [`RodlabError::Request`] for a rig of another job.
 pub fn init(job: JobName, rig: Option<Rig>, path: &Path) -> Result<(), RodlabError> {
     let is_ron = path
         .extension()

@@ -68,9 +68,9 @@ fn one(test: &Test, interrupted: &AtomicBool) -> Result<Listed, RodlabError> {
     Ok(listed)
 }
 
-/// Returns the hash of software, sheet and input files. The hashed text has one line for each of
-/// them; this is unambiguous, because neither a hash nor the name of the software contains a line
-/// break.
+/// Returns the hash of the software, the sheet, and the contents and paths of the input files. The
+/// hashed text has one line for each of them; this is unambiguous, because neither a hash nor the
+/// name of the software contains a line break.
 fn key(sheet: &str, inputs: &[InputFile]) -> String {
     let mut text = format!("{SOFTWARE}\n{sheet}\n");
     for input in inputs {

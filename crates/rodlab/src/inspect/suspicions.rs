@@ -71,8 +71,8 @@ pub(super) fn of_records(
     Ok((wrong, as_hits))
 }
 
-/// Returns a suspicion for each time axis whose times decrease or are unevenly spaced, with the
-/// names of the data sets on it.
+/// Returns a suspicion for each time axis whose times do not increase or are unevenly spaced, with
+/// the names of the data sets on it.
 pub(super) fn of_times(all: &[Series]) -> Vec<String> {
     let mut found: Vec<(String, Vec<String>)> = Vec::new();
     for series in all {
@@ -91,7 +91,7 @@ pub(super) fn of_times(all: &[Series]) -> Vec<String> {
     found.into_iter().map(in_words).collect()
 }
 
-/// Describes the times of a series if they decrease or are unevenly spaced.
+/// Describes the times of a series if they do not increase or are unevenly spaced.
 fn fault_of_times(series: &Series) -> Option<String> {
     let unit = series.abscissa_axis.unit.as_ref();
     let unit = unit.filter(|unit| unit.dimension() == Dimension::TIME)?;
