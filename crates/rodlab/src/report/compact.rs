@@ -102,8 +102,8 @@ fn number(value: f64, digits: i32) -> String {
     json
 }
 
-/// Writes `value` with this number of significant digits, without trailing zeros; 0 below 1e-290, and
-/// `null` if it is not finite.
+/// Writes `value` with this number of significant digits, without trailing zeros; 0 for magnitudes
+/// below 1e-290, and `null` if it is not finite.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the power of ten of a number lies between -324 and 308, and seven digits are far below the greatest integer"

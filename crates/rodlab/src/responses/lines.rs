@@ -66,8 +66,8 @@ pub(crate) fn judged_lines(
     Ok((0..response.validity.len()).map(of_line).collect())
 }
 
-/// The table with the degrees of freedom, the biases and the common error of `lines`, as far as they
-/// are known.
+/// The table with the degrees of freedom, the biases and the common error of `lines`, as far as
+/// these are known.
 pub(crate) fn with_errors(
     mut table: Table,
     response: &FrequencyResponse,
