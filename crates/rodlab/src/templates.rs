@@ -19,63 +19,56 @@ macro_rules! sheets {
     };
 }
 
-/// A job that has a sheet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum JobName {
+/// Declares choices on the command line, each with its name in commands.
+macro_rules! choices {
+    ($(#[$doc:meta])* $choice:ident: $($(#[$doc_of_one:meta])* $one:ident = $name:literal,)+) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+        pub enum $choice {
+            $($(#[$doc_of_one])* $one,)+
+        }
+
+        impl $choice {
+            /// All choices.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$one),+];
+
+            /// Returns the name used in commands.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$one => $name,)+
+                }
+            }
+        }
+    };
+}
+
+choices! {
+    /// A job that has a sheet.
+    JobName:
     /// Frequency responses of hits.
-    Frf,
+    Frf = "frf",
     /// Complex modulus of a rod.
-    Modulus,
+    Modulus = "modulus",
     /// Loss factor from creep recovery.
-    Recovery,
+    Recovery = "recovery",
     /// Laws and master curve from tables of a modulus.
-    Fit,
+    Fit = "fit",
     /// Constitutive law from two histories of an impacted rod.
-    Identify,
+    Identify = "identify",
     /// Mobility of an impact face.
-    Mobility,
+    Mobility = "mobility",
     /// Force between two bodies, or from a response.
-    Force,
+    Force = "force",
     /// Propagation of waves in a long bar, from one or more shots.
-    Bar,
+    Bar = "bar",
     /// Stress-strain curve from split Hopkinson bars.
-    Shpb,
+    Shpb = "shpb",
     /// A virtual test.
-    Simulate,
+    Simulate = "simulate",
 }
 
 impl JobName {
-    /// All jobs.
-    pub const ALL: [Self; 10] = [
-        Self::Frf,
-        Self::Modulus,
-        Self::Recovery,
-        Self::Fit,
-        Self::Identify,
-        Self::Mobility,
-        Self::Force,
-        Self::Bar,
-        Self::Shpb,
-        Self::Simulate,
-    ];
-
-    /// Returns the name of the command.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Frf => "frf",
-            Self::Modulus => "modulus",
-            Self::Recovery => "recovery",
-            Self::Fit => "fit",
-            Self::Identify => "identify",
-            Self::Mobility => "mobility",
-            Self::Force => "force",
-            Self::Bar => "bar",
-            Self::Shpb => "shpb",
-            Self::Simulate => "simulate",
-        }
-    }
-
     /// Returns the commented sheet of the job; in TOML for [`Language::Json`], because JSON has no
     /// comments.
     #[must_use]
@@ -95,47 +88,24 @@ impl JobName {
     }
 }
 
-/// Arrangement on the bench.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Rig {
+choices! {
+    /// Arrangement on the bench.
+    Rig:
     /// A free rod with an accelerometer on each end.
-    TwoAccelerometers,
+    TwoAccelerometers = "two-accelerometers",
     /// A member of a structure with strain gauges.
-    ThreeGauges,
+    ThreeGauges = "three-gauges",
     /// A long bar with gauges and a free end.
-    HopkinsonBar,
+    HopkinsonBar = "hopkinson-bar",
     /// A hammer, and a sensor for the motion of a body.
-    HammerFrf,
+    HammerFrf = "hammer-frf",
     /// A specimen between two bars.
-    Shpb,
+    Shpb = "shpb",
     /// Tables of a dynamic mechanical analysis.
-    Dma,
+    Dma = "dma",
 }
 
 impl Rig {
-    /// All rigs.
-    pub const ALL: [Self; 6] = [
-        Self::TwoAccelerometers,
-        Self::ThreeGauges,
-        Self::HopkinsonBar,
-        Self::HammerFrf,
-        Self::Shpb,
-        Self::Dma,
-    ];
-
-    /// Returns the name used in commands.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TwoAccelerometers => "two-accelerometers",
-            Self::ThreeGauges => "three-gauges",
-            Self::HopkinsonBar => "hopkinson-bar",
-            Self::HammerFrf => "hammer-frf",
-            Self::Shpb => "shpb",
-            Self::Dma => "dma",
-        }
-    }
-
     /// Returns the job that evaluates the records of the rig.
     #[must_use]
     pub fn job(self) -> JobName {

@@ -114,18 +114,16 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
     let band = band_of(sheet, &spectra[0])?;
     let greyed = outside_of(sheet, band, &spectra[0]);
     of_the_test(sheet, &accepted, &spectra, &greyed, &mut outcome)?;
-    let single = |(output, one): (&String, Estimated)| Named {
-        output: output.clone(),
-        input: sheet.input.clone(),
-        node: 1,
-        one,
-    };
     let mut estimated = Vec::with_capacity(outputs.len());
     context.progress.begins("forming responses", outputs.len());
     for output in &outputs {
         context.check_cancelled()?;
-        let one = estimate::estimate(sheet, &spectra, output, &first_hits)?;
-        estimated.push(single((output, one)));
+        estimated.push(Named {
+            output: output.clone(),
+            input: sheet.input.clone(),
+            node: 1,
+            one: estimate::estimate(sheet, &spectra, output, &first_hits)?,
+        });
         context.progress.one_more();
     }
     report(sheet, &estimated, band, &greyed, &mut outcome);

@@ -28,6 +28,8 @@ pub use level::LevelText;
 
 use std::path::PathBuf;
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use rodfigure::Figure;
 use rodwave::medium::Medium;
 use rodwave::modulus::GeneralisedMaxwell;
@@ -101,6 +103,13 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
+    /// Returns the random numbers of the record `number`, counted from 0.
+    fn random(&self, number: usize) -> ChaCha8Rng {
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        random.set_stream(number as u64);
+        random
+    }
+
     /// Returns the duration of the silence at the beginning of a record \[s\]. It ends before the
     /// precursor that the filter produces ahead of the impact.
     fn silent(&self, instrument: &InstrumentSheet) -> f64 {

@@ -69,18 +69,13 @@ pub(super) fn run(
     let excited: Vec<&Record> = excited.iter().collect();
     let length = length_of(segments, rate)?;
     context.progress.begins("averaging segments", 2);
-    let mut averages = Vec::with_capacity(2);
-    for length in [length, length / 2] {
+    let spectra_of = |length| -> Result<AveragedSpectra, RodlabError> {
         context.check_cancelled()?;
-        let averaged = welch(sheet, segments, length)?
-            .spectra_of(&excited)
-            .map_err(averaging)?;
-        averages.push(averaged);
+        let averaged = welch(sheet, segments, length)?.spectra_of(&excited);
         context.progress.one_more();
-    }
-    let (Some(halved), Some(spectra)) = (averages.pop(), averages.pop()) else {
-        return Err(RodlabError::request("segments", "none", "segments"));
+        averaged.map_err(averaging)
     };
+    let (spectra, halved) = (spectra_of(length)?, spectra_of(length / 2)?);
     let stated = (silent > 0).then_some(silent);
     let spectra = with_silence(spectra, &whole, stated, &channels, "silent")?;
     if let Some(reason) = too_few(&spectra, inputs.len()) {

@@ -1,8 +1,7 @@
 //! Hits of a hammer on a linear body: one response, scaled to several strengths.
 
 use labio::Record;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 use rodwave::experiment::end_accelerations::{HalfSine, Pulse, RaisedCosine};
 use serde::Deserialize;
 
@@ -110,8 +109,7 @@ impl BlowsSheet {
         let mut recorded = Recorded::by(&history.generator);
         recorded.warnings.extend(cut_off(&sampled, &peaks));
         for hit in 1..=self.hits {
-            let mut random = ChaCha8Rng::seed_from_u64(request.seed);
-            random.set_stream(hit as u64);
+            let mut random = request.random(hit);
             let strength = 1.0 + self.scatter() * random.random_range(-1.0..=1.0);
             let struck = Record::new(
                 &sampled.samples() * strength,

@@ -6,7 +6,6 @@ use cmod::recovery::{LoadHistory, LoadSegment, ThreeElement, ThreeElementParamet
 use labio::instrument::{Instrument, NoiseSpectrum};
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::{Axis as Row, aview1};
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use serde::Deserialize;
@@ -114,7 +113,7 @@ impl CreepRecoverySheet {
                 .iter()
                 .map(|at| virgin + recovery.loss_factor_change(omega, at.si()))
                 .collect();
-            let read = self.with_errors(&exact, request.seed, number as u64 + 1)?;
+            let read = self.with_errors(&exact, &mut request.random(number + 1))?;
             tests.push(Readings { load, exact, read });
             context.check_cancelled()?;
         }
@@ -134,7 +133,7 @@ impl CreepRecoverySheet {
     }
 
     /// Returns `exact` with independent, normally distributed errors.
-    fn with_errors(&self, exact: &[f64], seed: u64, stream: u64) -> Result<Vec<f64>, RodlabError> {
+    fn with_errors(&self, exact: &[f64], random: &mut ChaCha8Rng) -> Result<Vec<f64>, RodlabError> {
         let name = "loss factor";
         let values = aview1(exact).insert_axis(Row(0)).to_owned();
         let channel = Channel::new(name, Quantity::Strain).in_step(FIELD)?;
@@ -147,11 +146,9 @@ impl CreepRecoverySheet {
         )
         .in_step(FIELD)?;
         let spectrum = NoiseSpectrum::white(2.0 * self.error.si().powi(2)).in_step(FIELD)?;
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(stream);
         let taken = Instrument::new()
             .noise(name, spectrum)
-            .record(&record, &mut random)
+            .record(&record, random)
             .in_step(FIELD)?;
         Ok(taken.record.channel(name).in_step(FIELD)?.to_vec())
     }

@@ -5,8 +5,6 @@ mod evaluation;
 use std::f64::consts::PI;
 
 use labio::Quantity;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rodwave::RodwaveError;
 use rodwave::inelastic::Elastic;
 use rodwave::line::{self, Body, Gauge, Line, LineHistory, Segment};
@@ -178,8 +176,7 @@ impl HopkinsonBarsSheet {
         let history = line.run(step, duration, &self.gauges()).in_step(FIELD)?;
         let sampled = instrument.sampled(&self.sensed(&history))?;
         let peaks = peaks(&sampled);
-        let mut random = ChaCha8Rng::seed_from_u64(request.seed);
-        let taken = instrument.recorded(&sampled, &peaks, &mut random)?;
+        let taken = instrument.recorded(&sampled, &peaks, &mut request.random(0))?;
         let mut recorded = Recorded::by(line::GENERATOR);
         let name = request.naming.file(1, 1);
         let what = format!("a striker at {}", self.velocity);

@@ -5,8 +5,6 @@ mod evaluation;
 mod sections;
 
 use labio::Quantity;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactHistory, ImpactTest, Striker};
 use rodwave::inelastic::InelasticLaw;
@@ -82,6 +80,19 @@ pub struct StrikerSheet {
     pub modulus: Exact<Pressure>,
 }
 
+impl StrikerSheet {
+    /// Returns the projectile with a velocity \[m/s\].
+    pub(in crate::job) fn at(&self, velocity: f64) -> Striker {
+        Striker {
+            length: self.length.si(),
+            diameter: self.diameter.si(),
+            density: self.density.si(),
+            modulus: self.modulus.si(),
+            velocity,
+        }
+    }
+}
+
 /// Quantity measured at the two sections.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -106,15 +117,8 @@ struct Struck<'a, L> {
 
 impl<L: InelasticLaw> Struck<'_, L> {
     fn test(&self, velocity: f64, section_distance: f64) -> ImpactTest<L> {
-        let striker = &self.sheet.striker;
         ImpactTest {
-            striker: Striker {
-                length: striker.length.si(),
-                diameter: striker.diameter.si(),
-                density: striker.density.si(),
-                modulus: striker.modulus.si(),
-                velocity,
-            },
+            striker: self.sheet.striker.at(velocity),
             rod: self.rod.clone(),
             diameter: self.sheet.diameter.si(),
             section_distance,
@@ -225,9 +229,8 @@ impl ImpactedRodSheet {
                     .map(|(channel, peak)| instrument.noise_level(channel, *peak))
                     .collect::<Result<Vec<_>, _>>()?,
             );
-            let mut random = ChaCha8Rng::seed_from_u64(request.seed);
-            random.set_stream(number as u64 + 1);
-            let taken = instrument.recorded(&sampled, &peaks, &mut random)?;
+            let random = &mut request.random(number + 1);
+            let taken = instrument.recorded(&sampled, &peaks, random)?;
             let name = request.naming.file(number + 1, self.velocities.len());
             recorded.take(
                 taken,

@@ -10,7 +10,7 @@ use rodwave::band_limited::Recorder;
 use rodwave::synthesis::DampedSynthesis;
 use serde::Deserialize;
 
-use super::level::{Level, LevelText};
+use super::level::LevelText;
 use crate::outcome::Setting;
 use crate::records::channel_called;
 use crate::sheet::{Duration, Exact, Frequency};
@@ -29,7 +29,7 @@ const MOST_SAMPLES: f64 = 2_097_152.0;
 /// Default time of a record before the impact \[s\].
 const USUAL_BEFORE: f64 = 2e-3;
 /// Default full scale of a converter, relative to the largest value of its channel.
-const USUAL_FULL_SCALE: Level = Level::OfPeak(1.25);
+const USUAL_FULL_SCALE: f64 = 1.25;
 
 /// The instruments between the rod and the file.
 #[derive(Debug, Clone, Deserialize)]
@@ -327,7 +327,7 @@ impl InstrumentSheet {
                 |_| format!("instrument.noise_of.{}", channel.name()),
             );
             if let Some(noise) = of_its_own.or(self.noise.as_ref()) {
-                let level = noise.level.of(channel, *peak, &noise.text, &field)?;
+                let level = noise.of(channel, *peak, &field)?;
                 // density of noise that is white up to the Nyquist frequency
                 let density = 2.0 * level * level / self.rate_hz();
                 let spectrum = NoiseSpectrum::white(density).in_step("instrument")?;
@@ -336,12 +336,8 @@ impl InstrumentSheet {
             if let Some(converter) = &self.converter {
                 let field = "instrument.converter.full_scale";
                 let range = match &converter.full_scale {
-                    Some(full_scale) => {
-                        full_scale
-                            .level
-                            .of(channel, *peak, &full_scale.text, field)?
-                    }
-                    None => USUAL_FULL_SCALE.of(channel, *peak, "", field)?,
+                    Some(full_scale) => full_scale.of(channel, *peak, field)?,
+                    None => USUAL_FULL_SCALE * peak,
                 };
                 let converter =
                     Converter::new(converter.bits, range).in_step("instrument.converter")?;
@@ -359,11 +355,7 @@ impl InstrumentSheet {
     ) -> Result<Option<f64>, RodlabError> {
         let noise = self.noise_of.get(channel.name()).or(self.noise.as_ref());
         noise
-            .map(|noise| {
-                noise
-                    .level
-                    .of(channel, peak, &noise.text, "instrument.noise")
-            })
+            .map(|noise| noise.of(channel, peak, "instrument.noise"))
             .transpose()
     }
 

@@ -11,17 +11,10 @@ use crate::sheet::number_and_unit;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(try_from = "String")]
 pub struct LevelText {
-    pub(super) text: String,
-    pub(super) level: Level,
-}
-
-/// A level of a channel.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Level {
-    /// Ratio to the largest value of the channel.
-    OfPeak(f64),
-    /// Absolute value in SI units.
-    Absolute(f64, Dimension),
+    text: String,
+    si: f64,
+    /// Dimension of an absolute level; `None` for a ratio to the largest value of the channel.
+    dimension: Option<Dimension>,
 }
 
 impl TryFrom<String> for LevelText {
@@ -35,36 +28,31 @@ impl TryFrom<String> for LevelText {
         if !(si.is_finite() && si > 0.0) {
             return Err(format!("`{text}` is not above 0, {expected}"));
         }
-        let level = if unit.symbol() == "%" {
-            Level::OfPeak(si)
-        } else {
-            Level::Absolute(si, unit.dimension())
-        };
-        Ok(Self { text, level })
+        let dimension = (unit.symbol() != "%").then(|| unit.dimension());
+        Ok(Self {
+            text,
+            si,
+            dimension,
+        })
     }
 }
 
-impl Level {
-    /// Returns the level in SI units for a `channel` with this `peak`; `text` is the text of the
-    /// level at `field`.
-    pub(super) fn of(
-        self,
-        channel: &Channel,
-        peak: f64,
-        text: &str,
-        field: &str,
-    ) -> Result<f64, RodlabError> {
-        match self {
-            Self::OfPeak(part) => Ok(part * peak),
-            Self::Absolute(si, dimension) if dimension == channel.quantity().dimension() => Ok(si),
-            Self::Absolute(..) => Err(RodlabError::request(
+impl LevelText {
+    /// Returns the level in SI units for a `channel` with this `peak`; `field` is the place of the
+    /// level in the sheet.
+    pub(super) fn of(&self, channel: &Channel, peak: f64, field: &str) -> Result<f64, RodlabError> {
+        let quantity = channel.quantity();
+        match self.dimension {
+            None => Ok(self.si * peak),
+            Some(dimension) if dimension == quantity.dimension() => Ok(self.si),
+            Some(_) => Err(RodlabError::request(
                 field,
-                format!("`{text}`"),
+                format!("`{}`", self.text),
                 format!(
                     "a part of the largest value in % or a level of `{}`, which is {} [{}]",
                     channel.name(),
-                    channel.quantity().name(),
-                    channel.quantity().unit()
+                    quantity.name(),
+                    quantity.unit()
                 ),
             )),
         }

@@ -5,7 +5,6 @@ use maxwellid::{MaxwellidError, RodTest};
 use rodwave::InelasticRod;
 use rodwave::band_limited::Recorder;
 use rodwave::experiment::Acquisition;
-use rodwave::impact::Striker;
 use rodwave::inelastic::InelasticLaw;
 
 use super::choice::{Choice, StruckRod};
@@ -65,14 +64,7 @@ impl LawVisitor for Blow<'_> {
                 source,
             },
         )?;
-        let striker = self.rod.striker;
-        let striker = Striker {
-            length: striker.length.si(),
-            diameter: striker.diameter.si(),
-            density: striker.density.si(),
-            modulus: striker.modulus.si(),
-            velocity: self.velocity,
-        };
+        let striker = self.rod.striker.at(self.velocity);
         let acquisition = Acquisition {
             recorder: Recorder {
                 rate_hz,
