@@ -165,8 +165,8 @@ impl FrequencyResponse {
             }
             converted.values[line] = value;
             if let Some(variance) = &mut converted.variance {
-                // |f|^2 for a factor; |1/H|^2 (var/|H|^2) for a reciprocal. The error of a response that
-                // is zero at 0 Hz stays zero.
+                // the variance is multiplied by |f|² under H → f H, and by |1/H²|² under H → 1/H;
+                // that of a value that is zero at 0 Hz stays zero
                 let scale = if exchange {
                     (value / self.values[line]).norm_sqr()
                 } else {
@@ -256,7 +256,7 @@ mod tests {
                     (&direct.input, &direct.output)
                 );
                 for line in 1..direct.values.len() {
-                    // rounding errors of a few products and reciprocals
+                    // tolerance: rounding errors of a few products and reciprocals
                     let relative = (there.values[line] / direct.values[line] - 1.0).norm();
                     assert!(relative < 1e-14);
                     let variance = |r: &FrequencyResponse| r.variance.as_ref().unwrap()[line];

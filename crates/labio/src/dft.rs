@@ -13,8 +13,8 @@ thread_local! {
     static PLANS: RefCell<Plans> = RefCell::default();
 }
 
-/// Number of lengths whose plans are kept. A laboratory uses one or two; a program that tries
-/// thousands should not keep them all.
+/// Number of lengths whose plans are kept: a test uses one or two lengths, and the limit bounds the
+/// memory of a program that uses thousands.
 const KEPT_LENGTHS: usize = 16;
 
 #[derive(Default)]
@@ -137,7 +137,7 @@ mod tests {
                         x * Complex64::cis(-TAU * ((k * i) % samples.len()) as f64 / f64::from(n))
                     })
                     .sum();
-                // a hundred terms of order one, each rounded to 1e-16
+                // tolerance: a hundred terms of order one, each rounded to 1e-16
                 assert!((line - direct).norm() < 1e-13, "n {n}, line {k}");
             }
             for (there, back) in samples.iter().zip(inverse(&fast, samples.len())) {

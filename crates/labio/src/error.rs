@@ -82,9 +82,9 @@ pub enum LabioError {
     EchoOverlaps {
         /// Duration of the pulse, in seconds.
         pulse: f64,
-        /// Time from front to front, in seconds.
+        /// Time from the front of the pulse to the front of its echo, in seconds.
         delay: f64,
-        /// Expected time, in seconds.
+        /// Expected time between the two fronts, in seconds.
         expected: f64,
     },
     /// The next wave arrives before the echo of a pulse has passed.

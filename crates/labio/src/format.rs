@@ -101,12 +101,14 @@ pub trait Reader: Debug + Sync {
     /// be read from the bytes.
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError>;
 
-    /// Returns true if every file states its length, so that one that was cut short is refused.
+    /// Returns true if every file of the format states its own length, so that a truncated file can
+    /// be detected.
     fn states_length(&self) -> bool {
         true
     }
 
-    /// Returns true if files are tables of rows, in which the abscissa may be a column.
+    /// Returns true if files of the format are tables of rows, in which one column may be the
+    /// abscissa.
     fn reads_tables(&self) -> bool {
         false
     }

@@ -25,7 +25,8 @@ const UNKNOWN_PHASE: f64 = 1.813_799_364_234_217_8;
 /// Effective number of averages below which overlapped segments count as a single average.
 const FEWEST_EFFECTIVE_AVERAGES: f64 = 1.5;
 
-/// Smallest square with full precision: a smaller one has digits below the smallest normal number.
+/// Smallest square with full precision: the last digit of a smaller square is below the smallest
+/// normal number.
 const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Estimator of the frequency response from the averaged spectra of input x and output y.
@@ -581,7 +582,7 @@ impl Pair<'_> {
                     *value = coherence(*g, 0.0, *x, *y);
                 }
             }
-            // the squared magnitude does not depend on which of the two is conjugated
+            // |conj(G)|² = |G|²
             CrossLines::Stored(crosses) | CrossLines::Conjugate(crosses) => {
                 for ((value, (x, y)), g) in lines.zip(crosses) {
                     *value = coherence(g.re, g.im, *x, *y);

@@ -187,7 +187,8 @@ mod tests {
     use super::*;
     use crate::{Quantity, ResponseKind};
 
-    /// A mobility on 301 lines, of an impulse late by 20 samples of 1 ms.
+    /// A mobility of 301 lines whose impulse response has its peak 20 samples of 1 ms before the
+    /// impulse.
     fn late() -> FrequencyResponse {
         let force = Channel::new("force", Quantity::Force).unwrap();
         let velocity = Channel::new("velocity", Quantity::Velocity).unwrap();
@@ -199,7 +200,6 @@ mod tests {
     #[test]
     fn what_comes_before_its_cause_is_cut() {
         let impulse = late().impulse_response().unwrap();
-        // a claim compares this fraction with the energy of the first 20 samples
         assert!(impulse.acausal_part() > 0.0);
         let causal = impulse.causal();
         assert!(causal.acausal_part() <= 0.0);

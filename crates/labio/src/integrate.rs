@@ -154,7 +154,8 @@ mod tests {
 
     const RATE: f64 = 100.0;
 
-    /// Returns the p-th derivative of a history with lines 3 and 7 of a record of n samples.
+    /// Returns n samples of the p-th derivative of a sum of two sines, which have three and seven
+    /// periods in the n samples.
     fn periodic(n: usize, p: i32) -> Vec<f64> {
         (0..n)
             .map(|i| {

@@ -136,7 +136,8 @@ impl MergedResponse {
         let level = |test: usize, line: usize| coherence(test, line) * levels[test][line];
         for line in 0..n_lines {
             let Entering { tests, coherent } = Entering::of(responses, line);
-            // a coherence by chance turns the noise power of a test into coherent power
+            // a coherence that is above zero only by chance would turn noise power into coherent
+            // power
             let clear = |test: &usize| is_above(&responses[*test], line, CLEAR);
             let any_clear = tests.iter().any(clear);
             let candidates = tests.into_iter().filter(|test| !any_clear || clear(test));
@@ -365,7 +366,8 @@ impl MergedResponse {
                 variances[*line] *= self.inflation[*line];
             }
         }
-        // if two values differ by d, one of them is off by d/√2 in the root mean square
+        // of two tests whose gains differ by d, either may be wrong: a root-mean-square error of
+        // d/√2 for each
         let unexplained = self
             .agreement
             .iter()

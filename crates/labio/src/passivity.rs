@@ -7,8 +7,8 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use crate::error::{non_physical, too_few_averages};
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
-/// Degrees of freedom above which Student's distribution equals the normal distribution to three
-/// digits at a tail of 1e-6.
+/// Degrees of freedom above which the normal distribution replaces Student's: they agree to three
+/// digits at a tail probability of 1e-6.
 const MANY: f64 = 1e5;
 
 /// Assessment of the real part of a driving-point mobility on one line.

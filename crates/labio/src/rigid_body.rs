@@ -170,8 +170,8 @@ impl RigidBody {
     }
 
     fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
-        // A M - 1 = e s^2 (this body), and A M = a + b s^2 + c s^4 (measured); the scale keeps the
-        // sums near 1
+        // fits A M - 1 = e s² for this body, and A M = a + b s² + c s⁴ for its apparent mass; s² is
+        // divided by `scale` to keep the sums near 1
         let highest_hz = accelerance.frequency_hz.last().copied().unwrap_or(0.0);
         let scale = (TAU * band.to_hz.min(highest_hz)).powi(2);
         let in_band: Vec<usize> = (0..accelerance.values.len())
@@ -180,8 +180,8 @@ impl RigidBody {
                     && accelerance.validity[*line] == LineValidity::Valid
             })
             .collect();
-        // relative to the line with the smallest variance; if a line has zero variance, all lines
-        // have equal weight
+        // weights relative to the line with the smallest variance; all weights are 1 if a line has
+        // zero variance
         let variance = |line: usize| accelerance.variance.as_ref().map_or(0.0, |v| v[line]);
         let least = in_band
             .iter()
@@ -211,7 +211,7 @@ impl RigidBody {
         }
         let elastic = wxr / wxx;
         let determinant = w * wxx - wx * wx;
-        // constant and slope over s^2 of a quantity of the lines
+        // least-squares constant and slope of a function of the lines over s²
         let straight = |of: &dyn Fn(&(Complex64, Complex64, f64)) -> Complex64| {
             let (mut wy, mut wxy) = (0.0, 0.0);
             for line in &lines {
@@ -223,14 +223,15 @@ impl RigidBody {
             (constant, (w * wxy - wx * wy) / determinant)
         };
         let (a, b) = straight(&|(_, ratio, _)| *ratio);
-        // two real equations per line
+        // divisor: two real equations per line, less the fitted numbers
         let mean_square = |of: &dyn Fn(&Complex64, &Complex64) -> Complex64, n_fitted: f64| {
             let squares = lines
                 .iter()
                 .map(|(s2, ratio, weight)| weight * of(s2, ratio).norm_sqr());
             squares.sum::<f64>() / (2.0 * lines.len() as f64 - n_fitted)
         };
-        // a third term, c (s^4 - its straight line), does not change a and b
+        // fits the third term as c times the part of s⁴ that is orthogonal to 1 and s², so that a
+        // and b do not change
         let (constant, slope) = straight(&|(s2, ..)| s2 * s2);
         let curved = |s2: &Complex64| s2 * s2 - constant - slope * s2;
         let (mut along, mut square) = (0.0, 0.0);

@@ -203,10 +203,10 @@ impl SampledWindow {
     }
 }
 
-/// Greatest length of a window or transform: two gibibytes per channel.
+/// Greatest length of a window or transform: 2²⁸ samples, two gibibytes per channel.
 const LONGEST: usize = 1 << 28;
 
-/// Rejects a length that exceeds any memory.
+/// Rejects a length above [`LONGEST`].
 pub(crate) fn check_length(n_samples: usize) -> Result<(), LabioError> {
     if n_samples <= LONGEST {
         Ok(())

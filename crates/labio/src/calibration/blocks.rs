@@ -122,7 +122,7 @@ mod tests {
         while newtons.read_block(&mut block).unwrap() > 0 {
             seen.push((block[[0, 0]], block[[1, 0]]));
         }
-        // halves are exact
+        // volts divided by 0.5 V/N: exact
         assert_eq!(seen, [(0.0, 0.0), (2.0, 1.0), (4.0, 2.0)]);
         assert!(CalibratedBlocks::new(source(), named("pC/N")).is_err());
         let twice = [named("V/N"), named("V/N")].concat();

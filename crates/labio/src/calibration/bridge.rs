@@ -190,7 +190,7 @@ mod tests {
         StrainBridge::new(layout, gauge_factor, excitation).unwrap()
     }
 
-    /// A claim compares the strains with Ohm's law in both dividers.
+    /// Checks that voltage and strain are inverse functions.
     #[test]
     fn the_voltage_of_a_strain_gives_this_strain() {
         let poisson_ratio = 0.35;
@@ -204,7 +204,7 @@ mod tests {
         ] {
             for strain in [0.1, 0.002, -0.03] {
                 let back = bridge(layout).strain(bridge(layout).voltage(strain));
-                // a few rounding errors
+                // tolerance: a few rounding errors
                 assert!((back / strain - 1.0).abs() < 1e-12, "{layout:?}: {back}");
             }
         }

@@ -211,7 +211,7 @@ mod tests {
     fn samples_belong_along_the_axis_of_the_series() {
         let found = misplaced(&[6, 4096, 2], 6);
         assert_eq!(found.as_deref(), Some("an array of 6 x 4096 x 2"));
-        // few series, samples along the first axis, a matrix
+        // accepted: only six series; samples along the first axis; a matrix
         assert_eq!(misplaced(&[2, 3, 2], 2), None);
         assert_eq!(misplaced(&[4096, 64, 100], 4096), None);
         assert_eq!(misplaced(&[4096, 5000], 4096), None);

@@ -4,12 +4,13 @@ use crate::{LabioError, Ordinate, Place, Series};
 
 /// Limit of the memory that the contents of a packed or nested file may take.
 ///
-/// A deflated byte may expand to a thousand bytes, and a byte of a MATLAB file to a series with a
-/// name. The readers of such formats, for example [`mat5`](super::mat5) and [`npz`](super::npz),
-/// count the memory of the contents before they allocate it, and reject a file that needs more than
-/// the limit with [`LabioError::MemoryLimit`], even in a tolerant reading. By default the limit is
-/// [`Self::OF_ANY_FILE`] plus [`Self::OF_A_BYTE`] bytes for every byte of the file, at most
-/// [`Self::MOST`]; packing shrinks records of measurements to a half or a third.
+/// Packed contents may need far more memory than the file: deflate compresses up to a thousand
+/// bytes to one, and each of the many small arrays that fit into a MATLAB file becomes a series
+/// with a name. The readers of such formats, for example [`mat5`](super::mat5) and
+/// [`npz`](super::npz), count the memory of the contents before they allocate it, and reject a file
+/// that needs more than the limit with [`LabioError::MemoryLimit`], even in a tolerant reading. By
+/// default the limit is [`Self::OF_ANY_FILE`] plus [`Self::OF_A_BYTE`] bytes for every byte of the
+/// file, at most [`Self::MOST`]; packing shrinks records of measurements to a half or a third.
 ///
 /// # Examples
 ///

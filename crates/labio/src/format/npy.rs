@@ -217,7 +217,7 @@ mod tests {
     fn rows_become_channels_and_times_a_clock() {
         let bytes = f8("(3, 4)", &DATA);
         let record = read_from(bytes.as_slice(), &channels()).unwrap();
-        // times are dyadic numbers: exact
+        // the times are multiples of 1/8 s: the rate is exact
         assert_eq!(record.sampling_rate_hz().to_bits(), 8.0_f64.to_bits());
         assert_eq!(record.start_time().to_bits(), 0.5_f64.to_bits());
         assert_eq!(record.channel("acceleration").unwrap().to_vec(), DATA[8..]);

@@ -61,7 +61,7 @@ impl NumberType {
     }
 }
 
-/// Returns the characters of a text in UTF-32; `None` if one of them is none.
+/// Returns the characters of a text in UTF-32; `None` if a code is not that of a character.
 pub(super) fn utf32<T: FromIterator<char>>(bytes: &[u8], big_endian: bool) -> Option<T> {
     let units = bytes.as_chunks::<4>().0.iter();
     let units = units.map(|&unit| match big_endian {

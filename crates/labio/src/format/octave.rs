@@ -427,7 +427,8 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         let n = if has_length {
             limit
         } else {
-            // a limit that is missed only by rounding belongs to the range
+            // the last value belongs to the range if only a rounding error places it beyond the
+            // limit
             ((limit - first) / step * (1.0 + 3.0 * f64::EPSILON)).floor() + 1.0
         };
         if !(n.is_finite() && first.is_finite() && step.is_finite()) {

@@ -14,7 +14,8 @@ use std::fmt;
 /// in the last place.
 const ARITHMETIC: f64 = 8.0 * f64::EPSILON;
 
-/// Number of values on each side of a value whose digits show its rounding.
+/// Number of neighbours on each side of a value whose half units are compared with that of the
+/// value.
 const NEIGHBOURS: usize = 4;
 
 /// Values of an abscissa as they are written, each with half a unit of its last digit.
@@ -135,8 +136,8 @@ impl WrittenValues {
         if !step.is_finite() || step.abs() < f64::MIN_POSITIVE {
             return None;
         }
-        // a straight line that passes within all roundings is farthest from the chord at one of its
-        // ends
+        // the line of an even spacing differs from the chord between the first and last value most
+        // at one of the ends
         let start = Written {
             value: first.value,
             half_unit: first.half_unit.max(last.half_unit),
@@ -289,7 +290,7 @@ mod tests {
         let (start, step) = column.even_spacing().unwrap();
         assert_eq!(start.to_bits(), 0.0_f64.to_bits());
         assert!((step.value - 1.0 / 51200.0).abs() <= step.half_unit);
-        // the first and the last value are each known to half a unit, divided by five steps
+        // half a unit for each of the first and the last value, divided by five steps
         assert!((step.half_unit / 0.2e-6 - 1.0).abs() < 1e-12);
         let truth = Written::exactly(1.0 / 51200.0);
         assert_eq!(column.first_off(Written::exactly(0.0), truth), None);

@@ -325,7 +325,7 @@ mod tests {
         assert_eq!(channel_names(record), ["hammer", "end A"]);
         assert_eq!(record.channel("hammer").unwrap().to_vec(), [0.0, 2000.0]);
         assert_eq!(record.channel("end A").unwrap().to_vec(), [0.0, 9.80665]);
-        // dyadic numbers in milliseconds: the factor 1/1000 costs a unit in the last place
+        // tolerance: the times are exact in milliseconds, and the factor 1/1000 rounds them once
         assert!((record.sampling_rate_hz() - 2000.0).abs() < 1e-12 * 2000.0);
         assert!((record.start_time() - 0.25).abs() < 1e-16);
     }

@@ -372,7 +372,7 @@ mod tests {
             assert_eq!(real(text, Comma), None, "{text}");
         }
         assert_eq!(real("1,5", Point), None);
-        // longer than any number that an instrument writes in this notation
+        // 65 digits are more than the parser accepts with a decimal comma
         assert_eq!(real(&"1".repeat(65), Comma), None);
     }
 

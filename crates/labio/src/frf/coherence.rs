@@ -137,7 +137,7 @@ mod tests {
         )
     }
 
-    /// Bendat and Piersol: √(2/n) (1 - γ²) γ, to which a claim compares the scatter over lines.
+    /// Compares with √(2/n) (1 - γ²) γ (Bendat and Piersol).
     #[test]
     fn the_random_error_is_that_of_the_effective_averages() {
         let coherence = Coherence {

@@ -305,8 +305,7 @@ mod tests {
         assert_eq!(given.kind().unwrap(), ResponseKind::Mobility);
         let pairs = given.variance.as_ref().unwrap().iter();
         for (found, expected) in pairs.zip(measured.variance.as_ref().unwrap()) {
-            // 1 - c loses digits where c is near 1: the error is the rounding error of c divided by
-            // 1 - c, which is above 1e-3 here
+            // tolerance: the rounding error of c divided by 1 - c, which is above 1e-3 here
             assert!((found / expected - 1.0).abs() < 1e-12);
         }
         let (there, here) = (
@@ -395,7 +394,8 @@ mod tests {
                 Err(error) => Err(error),
             }
         });
-        // a coherence or variance of the wrong length is replaced; the other lists are not
+        // `with_coherence` and `with_variance` replace a list of the wrong length; all others
+        // reject it
         assert_eq!(
             coherence.map(|answer| answer.map_err(|error| error.to_string())),
             [
@@ -444,8 +444,9 @@ mod tests {
         assert!(of(&[2.0; 3]).with_coherence(vec![1.0; 3], 1).is_err());
     }
 
-    /// Degrees of freedom (Welch and Satterthwaite) where a quarter of the variance has ten and the
-    /// rest is known. A random variance that is 0 by chance does not make the sum a known variance.
+    /// A random variance of 0.04 with ten degrees of freedom and a known variance of 0.12: 10 · 4²
+    /// degrees of freedom. The second line has a random variance of 0 by chance; the mean over its
+    /// neighbours is used instead.
     #[test]
     fn a_known_variance_adds_degrees_of_freedom() {
         let random = of(&[2.0; 3]).with_variance(vec![0.04, 0.0, 0.04]).unwrap();
@@ -474,7 +475,7 @@ mod tests {
         assert_eq!(none.common_error, None);
     }
 
-    /// Nine lines belong to 16 samples, five lines to 8.
+    /// Truncation of 9 lines, which belong to 16 samples, to 5 lines, which belong to 8.
     #[test]
     fn truncated_lines_are_those_of_fewer_samples() {
         let mut response = of(&[2.0; 9]).with_coherence(vec![0.8; 9], 5).unwrap();

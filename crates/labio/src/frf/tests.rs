@@ -42,8 +42,8 @@ fn one_average_gives_a_response_but_no_coherence() {
 
 #[test]
 fn empty_lines_are_flagged_with_their_reason() {
-    // every fifth of 60 samples: lines 0, 12 and 24 have all the energy, the other lines only
-    // rounding errors of the transform
+    // a pulse in every fifth of 60 samples: only lines 0, 12 and 24 have energy; on the other lines
+    // the transform has only rounding errors
     let train: Vec<f64> = (0..60)
         .map(|i| if i % 5 == 0 { 1.0 / 3.0 } else { 0.0 })
         .collect();
@@ -54,7 +54,7 @@ fn empty_lines_are_flagged_with_their_reason() {
     for (k, validity) in response.validity.iter().enumerate() {
         if k % 12 == 0 {
             assert_eq!(*validity, LineValidity::Valid);
-            // one rounding error of a ratio
+            // tolerance: one rounding error of a ratio
             assert!((response.values[k] - 1.0).norm() < 1e-15);
         } else {
             assert_eq!(*validity, LineValidity::NoInput, "line {k}");
@@ -122,8 +122,8 @@ fn the_coherence_does_not_depend_on_the_units() {
     };
     let as_it_is = coherence(0, 0);
     assert!(as_it_is.iter().all(|c| (0.0..1.0).contains(c)));
-    // factors that are powers of two change no digit; the square of a cross-spectrum at these
-    // levels has a binary exponent of 1600
+    // multiplication by a power of two is exact; without scaling, the square of the cross-spectrum
+    // would overflow at 2^1600
     for (input, output) in [(400, 400), (-400, -400), (400, -400), (-380, 400)] {
         assert_eq!(coherence(input, output), as_it_is, "2^{input}, 2^{output}");
     }
@@ -142,7 +142,7 @@ fn a_phase_of_which_nothing_is_known_is_anywhere_on_the_turn() {
         };
         stated.random_error().unwrap()[1]
     };
-    // one rounding error of a square root
+    // tolerance: one rounding error of a square root
     let small = of_error(0.1);
     assert!((small.magnitude - 0.1).abs() < 1e-15 && (small.phase - 0.1).abs() < 1e-15);
     // the standard deviation of an angle that is uniform over a turn
@@ -236,8 +236,8 @@ fn s13_few_hits_are_covered_by_students_law() {
             let of_parts = covered(n_hits, noise, estimator, seeds);
             println!("{n_hits} hits, noise {noise:?}, {estimator:?}: {of_parts:.1?}");
             for [one, two] in of_parts {
-                // 2040 lines or more: three standard errors of 1 % and 0.5 %, plus the second order
-                // of the error
+                // tolerance: three standard errors of 1 % and 0.5 % for 2040 lines or more, plus
+                // the second order of the error
                 assert!(
                     (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
                     "{n_hits}: {one} {two}"
@@ -270,14 +270,15 @@ fn s13_bias_by_noise_at_rest_is_told_and_can_be_removed() {
             .map(|h| h.norm() / 2.0 - 1.0)
             .collect();
         let stated = mean(&response.noise_bias.as_ref().unwrap()[1..256]);
-        // a line scatters by ((a + b)/120)^½ = 5 %, the mean by 0.3 %, and the scatter causes a
-        // bias of 0.1 %: four times these
+        // tolerance: four standard errors of the mean of 255 lines, which scatter by ((a +
+        // b)/120)^½ = 5 % each, plus a bias of 0.1 % caused by this scatter
         assert!(
             (mean(&off) - expected).abs() < 0.014,
             "{estimator:?} {}",
             mean(&off)
         );
-        // the noise is known to 2 %, and the scatter of the level of a line enters the stated bias
+        // tolerance: an error of 2 % of the noise, and the scatter of the auto-spectra, from which
+        // the bias is computed
         assert!((stated - expected).abs() < 0.015, "{estimator:?} {stated}");
     }
 }

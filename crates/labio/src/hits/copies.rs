@@ -196,14 +196,14 @@ impl Lines {
 /// noise before them: the same hit rounded, scaled, delayed or resampled. The probability of a
 /// false alarm, for all pairs together, is at most `level`.
 ///
-/// For each pair and channel, the factor and the delay that bring one hit closest to the other are
-/// found. The difference D of two separate hits contains at least the noise of both: on each line
-/// |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is distributed as an
-/// exponential variable of mean 1, or larger. The statistic is the median over the lines between
-/// 1/16 and 0.45 of the sampling rate, divided by ln 2. Its logarithm has the variance
-/// 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν degrees of freedom of the noise. A pair is reported
-/// if the statistic is significantly below a quarter of the noise. The median is insensitive to
-/// lines lost by resampling.
+/// For each pair and channel, the factor s and the delay by which the first hit comes closest to
+/// the second are found. The difference D of two separate hits contains at least the noise of both:
+/// on each line |D|²/(s²N₁ + N₂), with the power N of the noise before each hit ([`RestNoise`]), is
+/// distributed as an exponential variable of mean 1, or larger. The statistic is the median over
+/// the lines between 1/16 and 0.45 of the sampling rate, divided by ln 2. Its logarithm has the
+/// variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν degrees of freedom of the noise. A pair is
+/// reported if the statistic is significantly below 1/4 on all channels. The median is insensitive
+/// to lines lost by resampling.
 ///
 /// Channels without noise before the hit, such as computed ones, and hits without silence are
 /// skipped.
@@ -449,7 +449,7 @@ mod tests {
             };
             assert_eq!(copy_of(&all), Some(expected), "{what}");
         }
-        // one channel belongs to another hit
+        // a hit with the force of one hit and the motion of another is not a copy
         let mut all = records.clone();
         all.push(record([hits[1][0].clone(), hits[2][1].clone()]));
         assert_eq!(copy_of(&all), None);
@@ -482,7 +482,7 @@ mod tests {
         let hits: Vec<[Vec<f64>; 2]> = (0..3).map(|_| hit(1.0, 0.0, 1e-3, &mut rng)).collect();
         let records: Vec<Record> = hits.iter().cloned().map(record).collect();
         assert_eq!(near(&records), []);
-        // rounded to a twentieth of the noise, with another sensitivity
+        // the third hit rounded to steps of a twentieth of the noise and multiplied by 3
         let rounded = map(&hits[2], |x| 3.0 * (x / 5e-5).round() * 5e-5);
         assert_eq!(copy_of(&[records[2].clone(), rounded.clone()]), None);
         let mut all = records.clone();
@@ -524,7 +524,7 @@ mod tests {
                 assert_eq!(near(&hits), [], "{noise}");
             }
         }
-        // mains hum and a drift, before and during the hits, much larger than the noise of a line
+        // mains hum and a drift, before and during the hits, both much larger than the noise
         for _ in 0..20 {
             let hits: Vec<Record> = (0..5)
                 .map(|_| {

@@ -122,8 +122,8 @@ mod tests {
         assert_eq!(second_contact(&force, 5.0), None);
         half_sine(&mut force, 150, 30, 20.0);
         let found = second_contact(&force, 5.0).unwrap();
-        // the middle of the 30 samples from 150 on minus the middle of the 20 samples from 50 on;
-        // both peaks fall on a sample
+        // from the peak at sample 60 (20 samples from 50 on) to the peak at sample 165 (30 samples
+        // from 150 on)
         assert_eq!(found.separation, 105);
         assert!((found.ratio - 0.2).abs() < 1e-12);
         force.reverse();
@@ -145,7 +145,7 @@ mod tests {
         );
         half_sine(&mut force, 150, 30, 40.0);
         let found = second_contact(&force, 5.0).unwrap();
-        // the ringing has decayed to 15·exp(-2) at that time
+        // tolerance: the ringing, 15·exp(-2) = 2 % of the main peak at that time
         assert!((found.ratio - 0.4).abs() < 0.021, "{found:?}");
     }
 

@@ -12,9 +12,9 @@ use crate::{LabioError, Quantity, Record};
 
 /// Number of standard errors by which two levels must differ to be significantly different.
 const LEVELS_APART: f64 = 5.0;
-/// Number of equal parts of a hit; in the last one, the hit should be over.
+/// The hit must be over in the last of this number of equal parts.
 const TAIL: usize = 10;
-/// Number of equal parts of a hit; the motion after its end is found from the last one.
+/// The motion after the end of a hit is found from the last of this number of equal parts.
 const QUARTER: usize = 4;
 /// Fraction of its range that an 8-bit converter can still reach.
 const FULL: f64 = 0.99;
@@ -107,8 +107,8 @@ impl Criteria {
                 continue;
             };
             let is_offset = self.check_offset(&signal, &mut reasons);
-            // a channel with a large offset may drift, and has no noise level with which a peak
-            // could be compared
+            // the peak of a channel with a large offset is not compared with its noise, because the
+            // channel may drift
             if name == reference && !is_offset {
                 self.check_peak(&signal, &mut reasons);
             }

@@ -70,9 +70,10 @@ struct Odd {
 /// - the largest sample of $`Y_j - gP`$, which must exceed a limit found in the same way and twice
 ///   the largest sample of the others.
 ///
-/// A departure below half a per cent is ignored. A departure whose energy grows with the square of
-/// the impact does not count against the harder hit. A hit that was found is excluded from the
-/// search for the next one.
+/// A departure below half a per cent is ignored. For the comparison with a harder hit, the energies
+/// of the others are increased in proportion to the energy of the prediction, so that an effect
+/// that grows with the force does not count against the harder hit. A hit that was found is
+/// excluded from the search for the next one.
 ///
 /// # Validity
 ///
@@ -141,7 +142,7 @@ fn oddest(left: &[usize], inputs: &[Lines], outputs: &[Lines], n_samples: usize)
         let of = |figure: &dyn Fn(&Departure) -> f64| -> Vec<f64> {
             others.iter().map(figure).collect()
         };
-        // a departure that grows with the force does not count against the harder hit
+        // allows for departures that grow in proportion to the force
         let growth = |other: &Departure| (one.expected / other.expected).max(1.0);
         let beyond = |value: f64, of_others: &[f64], over: f64| -> f64 {
             let (mean, deviation) = scatter(of_others);
@@ -299,7 +300,7 @@ mod tests {
             (5, 4.03214),
         ] {
             let tail = beyond_student(t, degrees);
-            // t is given to six digits
+            // tolerance: t is given to six digits
             assert!((tail - 0.01).abs() < 1e-6, "{degrees}: {tail}");
         }
         // with 10 others: 4.781 is the 0.1 % point of 9 degrees of freedom

@@ -185,12 +185,12 @@ mod tests {
 
     #[test]
     fn the_onset_is_found_on_an_offset_and_on_either_slope() {
-        // a pulse that is steepest on its falling side
+        // the falling side is steeper than the rising side
         let mut pulse = vec![40.0; 100];
         for (k, x) in [1.0, 3.0, 6.0, 10.0, 1.0].into_iter().enumerate() {
             pulse[30 + k] += x;
         }
-        // 1.0 is not above a tenth of the peak
+        // the first sample, 1.0, does not exceed a tenth of the peak
         assert_eq!(onset_of(&pulse, HIT_OVER_PEAK), 31);
         for sample in &mut pulse {
             *sample = -*sample;
@@ -203,8 +203,8 @@ mod tests {
 
     #[test]
     fn r17_the_onset_is_the_first_passage_and_not_the_steepest() {
-        // a slow wave of 0.3, followed by a fast wave of -1; the last digit of the converter
-        // flickers
+        // a slow wave of 0.3, followed by a fast wave of -1, with the last digit of the converter
+        // changing at every seventh sample
         let mut wave: Vec<f64> = (0..4000)
             .map(|k| if k % 7 == 0 { 0.004 } else { 0.0 })
             .collect();
@@ -280,15 +280,16 @@ mod tests {
         let mut samples: Vec<f64> = (0..n).map(|_| 7.0 + 0.5 * rng.normal()).collect();
         assert_eq!(Rest::of(&[]), None);
         let clean = Rest::of(&samples).unwrap();
-        // the median of n deviates has an error of 0.5·√(π/2n) = 0.0063, the scaled deviation
-        // 0.5·1.17/√n = 0.0058: four times each
+        // tolerance: four standard errors, which are 0.5·√(π/2n) = 0.0063 for the median and
+        // 0.5·1.17/√n = 0.0058 for the scaled deviation
         assert!((clean.level - 7.0).abs() < 0.025 && (clean.noise - 0.5).abs() < 0.023);
         assert!((clean.level_error() - 0.0063).abs() < 0.0005);
         for sample in samples.iter_mut().step_by(10) {
             *sample = 1e6;
         }
         let spoiled = Rest::of(&samples).unwrap();
-        // the median is then the quantile 5/9 of the clean samples, 0.14 deviations higher
+        // a tenth of the samples is too large: the median is the quantile 5/9 of the others, 0.14
+        // standard deviations above their median
         assert!((spoiled.level - 7.07).abs() < 0.03 && (spoiled.noise - 0.5).abs() < 0.1);
     }
 }

@@ -154,7 +154,8 @@ mod tests {
             let n = found(time_constant, 65_536, seed).unwrap();
             assert!(n.is_power_of_two());
             let since = n as f64 / RATE - 0.02;
-            // sums of the ringing after sample n, and of the noise before it
+            // Fourier sum of the ringing after sample n, and root-mean-square Fourier sum of the
+            // noise of n samples
             let left = (-since / time_constant).exp() * time_constant * RATE / 2.0;
             let noise = 1e-3 * (n as f64).sqrt();
             assert!(left < 0.3 * noise, "{seed}: {n}");

@@ -7,25 +7,28 @@ use super::rest::samples_at_rest;
 use crate::quantization::smallest_step;
 use crate::{LabioError, Record};
 
-/// Fewest samples in the part before the impact, and in the part at the end of a hit.
+/// Fewest samples in each of the two compared parts.
 const FEWEST_SAMPLES: usize = 32;
-/// Number of equal parts of a hit; the end is at most one of them.
+/// Each compared part is at most the hit divided by this number.
 const END: usize = 8;
-/// Sum of the squares of the coefficients of a fourth difference: the variance of white noise is
-/// multiplied by it.
+/// Factor by which a fourth difference multiplies the variance of white noise: the sum of its
+/// squared coefficients.
 const GAIN: f64 = 70.0;
-/// Number of lags over which the differences are correlated.
+/// Largest lag k of the autocorrelations.
 const LAGS: usize = 16;
-/// Number of equal last samples from which they count as not recorded: the hit was continued at its
-/// level, or a force was set to 0 after the impact.
+/// Number of equal last samples above which these samples were not measured: the analyser has
+/// continued the hit at its level, or has set the force to 0 after the impact.
 const STILL: usize = 4;
-/// Smallest noise, in steps of the converter, at which the rounding does not depend on the level.
+/// Smallest noise, in steps of the converter, for which the rounding error is independent of the
+/// level.
 const LEAST_STEPS: f64 = 0.5;
 /// Smallest noise relative to the largest sample, above the rounding of single precision.
 const FINEST: f64 = 2e-7;
-/// Ratio of the variances below which the noise counts as falling.
+/// Ratio of the noise variance at the end to that before the impact, below which the noise is
+/// judged to fall.
 const LARGEST_RATIO: f64 = 0.8;
-/// Probability of a smaller ratio by chance.
+/// Probability by chance of a ratio as small as the one found, below which the noise is judged to
+/// fall.
 const LEVEL: f64 = 1e-4;
 
 /// Noise of a channel that is smaller at the end of the records than before the impacts.
@@ -33,32 +36,35 @@ const LEVEL: f64 = 1e-4;
 pub struct FallingNoise {
     /// Name of the channel.
     pub channel: String,
-    /// Standard deviation before the impacts, of white noise with the same mean square of fourth
-    /// differences.
+    /// Standard deviation before the impacts, computed from the mean square of fourth differences
+    /// as for white noise.
     pub before: f64,
-    /// Standard deviation at the end of the records, defined in the same way.
+    /// Standard deviation at the end of the records, computed in the same way.
     pub after: f64,
-    /// Decay rate of an exponential window under which the noise falls by the same factor \[1/s\].
+    /// Decay rate \[1/s\] of the exponential window that would reduce the noise from `before` to
+    /// `after`.
     pub decay_rate: f64,
 }
 
 /// Returns the `channels` whose noise at the end of the `hits` is smaller than before the impacts,
 /// because a window was applied to the records.
 ///
-/// Fourth differences of the samples contain the noise at high frequencies, and hardly any
-/// of a motion. Their mean squares in the second half of the rest before the impact and in an
-/// equally long part at the end, over all hits, are compared by an F test. The degrees of freedom
-/// of $`n`$ differences with the correlations $`r_k`$ are $`n/(1 + 2\sum r_k^2)`$. The noise falls
-/// if the ratio of the mean square at the end to that before the impact is below 0.8, and the
-/// probability of a smaller ratio by chance is below 1e-4. Of three hits or more, the hit with the
-/// greatest noise before the impact is left out, because a single disturbance may cause it.
+/// The noise is measured by the fourth differences of the samples, which contain the noise at high
+/// frequencies and almost nothing of a smooth motion. Two parts of equal length are compared over
+/// all hits by an F test: the last half of the rest before the impact, but at most an eighth of the
+/// hit, and the end of the hit. The $`n`$ differences of a part, with the autocorrelations $`r_k`$,
+/// have $`n/(1 + 2\sum r_k^2)`$ degrees of freedom. The noise is judged to fall if the mean square
+/// at the end is less than 0.8 times that before the impact, and if a ratio this small has a
+/// probability below 1e-4 by chance. Of three or more hits, the hit with the greatest noise before
+/// the impact is left out, because a single disturbance may have caused this noise.
 ///
 /// # Validity
 ///
-/// The noise must be stationary without the window. A motion at the end increases the differences
-/// there and can only hide a window. Hits whose noise is below half a step of the converter before
-/// the impact or at the end, hits with fewer than 64 samples at rest before the impact, and hits
-/// with constant last samples are left out.
+/// Valid if the noise is stationary apart from the window. A motion at the end increases the
+/// differences there, so it can hide a window but not simulate one. The following hits are left
+/// out: hits with fewer than 256 samples, or with fewer than 64 at rest before the impact; hits
+/// whose noise in either part is below half a step of the converter; hits whose last four samples
+/// in either part are equal.
 ///
 /// # Errors
 ///
@@ -149,7 +155,7 @@ impl Noise {
     }
 }
 
-/// Samples of a part of a channel and their differences.
+/// Buffers for the samples of a part and their differences.
 #[derive(Default)]
 struct Work {
     part: Vec<f64>,
@@ -203,9 +209,9 @@ mod tests {
     const N: usize = 4096;
     const RATE_HZ: f64 = 20_000.0;
 
-    /// Result for five hits with an impact at sample 400, a ringing of 1 kHz with a time constant
-    /// of 2 ms, and noise with a standard deviation of 0.01; `change` returns the recorded sample
-    /// for an index and a true sample.
+    /// Result for five hits: an impact at sample 400, ringing of 1 kHz with a time constant of 2
+    /// ms, and noise with a standard deviation of 0.01. `change` converts the true sample at an
+    /// index to the recorded sample.
     fn found(seed: u64, change: impl Fn(usize, f64) -> f64) -> Vec<FallingNoise> {
         let mut rng = Noise::seeded(seed);
         let hits: Vec<Record> = (0..5)
@@ -242,14 +248,14 @@ mod tests {
                 found(seed, |n, x| if n < 400 { x } else { x + sign(n) }),
                 []
             );
-            // a hit that is continued at its level
+            // the last 96 samples are replaced by 0
             assert_eq!(found(seed, |n, x| if n < 4000 { x } else { 0.0 }), []);
         }
         let [window] = &found(1, |n, x| x * (-t(n) / 0.1).exp())[..] else {
             panic!("an exponential window is not found");
         };
-        // 4 x 146 differences have 215 degrees of freedom: standard errors of 5 % of a standard
-        // deviation, 7 % of the ratio and 0.4 1/s of the decay rate
+        // tolerance: three standard errors for 215 degrees of freedom of 4 x 146 differences, which
+        // are 5 % of a standard deviation, 7 % of the ratio and 0.4 1/s of the decay rate
         assert!((window.after / window.before - (-1.9_f64).exp()).abs() < 0.25 * 0.15);
         assert!((window.decay_rate - 10.0).abs() < 1.2, "{window:?}");
         assert!((window.before - 0.0089).abs() < 0.0015, "{window:?}");

@@ -125,7 +125,7 @@ mod tests {
         assert!(Converter::new(16, 0.0).is_err());
     }
 
-    /// A claim does so for a busy signal, without dither too.
+    /// Variance of the rounding error of a constant signal with dither, in squared steps.
     #[test]
     fn dither_makes_the_variance_of_a_still_signal_a_quarter() {
         let n = 400_000;
@@ -140,7 +140,8 @@ mod tests {
         let n = n as f64;
         let mean = errors.iter().sum::<f64>() / n;
         let variance = errors.iter().map(|e| e * e).sum::<f64>() / n;
-        // the fourth moment of the error is below 1/5, its square 1/16; four standard errors each
+        // tolerance: four standard errors; the error has a variance of 1/4 and a fourth moment below
+        // 1/5
         assert!(
             (variance - 0.25).abs() < 4.0 * (0.2 / n).sqrt(),
             "{variance}"

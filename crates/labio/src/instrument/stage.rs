@@ -13,7 +13,7 @@ use crate::{Channel, LabioError, Quantity, SensorChain, channel};
 /// few digits.
 const RATIO_TOLERANCE: f64 = 1e-9;
 
-/// One stage of an instrument; those of one channel begin with its name.
+/// One stage of an instrument; a stage of a single channel begins with the name of the channel.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Stage {
     Sense(String, Box<SensorChain>),
@@ -21,9 +21,9 @@ pub(super) enum Stage {
     Gain(String, f64),
     /// A constant to be added.
     Offset(String, f64),
-    /// A time \[s\].
+    /// Time \[s\] by which the channel is late.
     Delay(String, f64),
-    /// A step of the samples.
+    /// Step to whose multiples the samples are rounded.
     Resolution(String, f64),
     Noise(String, NoiseSpectrum),
     CrossTalk(Array2<f64>),
@@ -32,7 +32,7 @@ pub(super) enum Stage {
         rate_hz: f64,
         aperture: f64,
     },
-    /// One channel or, without a name, all.
+    /// Converter of the named channel or, without a name, of all channels.
     Convert(Option<String>, Converter),
 }
 

@@ -42,7 +42,7 @@ struct Hammer {
     peak: f64,
     contact: usize,
     noise: f64,
-    /// Error of the measured force, added after the force has acted on the body.
+    /// Standard deviation of the noise of the measured force, which does not act on the body.
     input_noise: f64,
     /// Error of the response sensor.
     gain: f64,
@@ -136,7 +136,7 @@ fn inverse_variances_weigh_as_least_squares_does() {
         let [a, b] = [0, 1].map(|k: usize| own[k] + square * (1.0 - c[k]).powi(2));
         let share = b / (a + b);
         let expected = h[0] * share + h[1] * (1.0 - share);
-        // the same numbers combined in another order
+        // tolerance: rounding errors of the same sums in another order
         assert!((merged.response.values[line] - expected).norm() < 1e-13);
         assert!((merged.shares[(0, line)] - share).abs() < 1e-13);
         // the factor by which weights estimated with 18 degrees of freedom increase the variance
@@ -147,7 +147,7 @@ fn inverse_variances_weigh_as_least_squares_does() {
             [0, 1].map(|k: usize| relative[k] * h[k].norm_sqr().max(expected.norm_sqr()));
         let expected_variance =
             (share * share * of_merged[0] + (1.0 - share).powi(2) * of_merged[1]) * cost;
-        // 1 - c is of the order of 1e-6, which costs six digits in these products
+        // tolerance: 1 - c, of the order of 1e-6, has lost six digits
         let apart = variance / merged.inflation[line] / expected_variance - 1.0;
         assert!(apart.abs() < 1e-9, "{line}: {apart}");
         let freedom = merged.response.degrees_of_freedom.as_ref().unwrap()[line];

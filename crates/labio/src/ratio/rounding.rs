@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use crate::quantization::step_above_noise;
 use crate::{AveragedSpectra, LabioError, Record, Window, channel};
 
-/// Number of samples taken as rest if the silence of the hits is not known.
+/// Number of first samples that are treated as rest if the silence of the hits is not known.
 const FEWEST_AT_REST: usize = 16;
 /// Number of lines on each side over which the squared change is averaged.
 const NEIGHBOURS: usize = 5;

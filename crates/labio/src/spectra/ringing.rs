@@ -26,19 +26,19 @@ const PART_OF_NOISE: f64 = 0.3;
 const EXPONENTS: std::ops::RangeInclusive<u32> = 4..=32;
 const EXPONENT_STEP: f64 = 0.5;
 
-/// Returns the exponential window that `hits` need because they end while `channels` ring; it is
-/// the same for all. `None` if all channels have come to rest: in the last sixteenth of the hit, a
-/// channel is within a hundredth of its peak, within twice the largest excursion in the silence or
-/// within six times the root-mean-square value of the silence, and its mean there is too small to
-/// change the lowest line, unlike the creep after a long pulse. In addition, the channels must have
-/// been quiet for longer than the longest pause between two of their motions, because in a long bar
-/// a wave that has passed a gauge is on its way back to it. With several channels, this is not
-/// required if the channel that moved first was also the last to move.
+/// Returns the exponential window, the same for all `hits`, that is needed because the hits end
+/// while `channels` ring. `None` if all channels have come to rest: in the last sixteenth of the
+/// hit, a channel is within a hundredth of its peak, within twice the largest excursion in the
+/// silence or within six times the root-mean-square value of the silence, and its mean there is too
+/// small to change the lowest line, unlike the creep after a long pulse. In addition, the channels
+/// must have been quiet for at least as long as the longest pause between two of their motions,
+/// because in a long bar a wave that has passed a gauge is on its way back to it. With several
+/// channels, this is not required if the channel that moved first was also the last to move.
 ///
-/// Its decay rate σ is the smallest of a series of values for which the effect of the motion cut
-/// off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is at most three
-/// tenths of the noise that the window leaves at `lowest_hz`, or the largest of these values if
-/// none suffices. T counts from the end of the first `n_silent` samples ([`from_rest`]).
+/// The decay rate σ of the window is the smallest of a series of values for which the effect of the
+/// motion cut off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is at most
+/// three tenths of the noise that the window leaves at `lowest_hz`, or the largest of these values
+/// if none suffices. T counts from the end of the first `n_silent` samples ([`from_rest`]).
 ///
 /// # Errors
 ///

@@ -14,12 +14,12 @@ use crate::{
     Abscissa, Contents, Dimension, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind,
 };
 
-/// Largest accepted relative uncertainty of a step due to rounding: the error of a frequency is
-/// then less than one line in ten thousand.
+/// Largest accepted relative uncertainty of a step due to rounding. The relative error of a
+/// frequency is then at most 1e-4.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
 
-/// Relative difference of the mean steps of two columns of times above which they are different
-/// times: larger than the rounding of times with four digits.
+/// Relative difference between the mean steps of two columns of times above which the columns have
+/// different rates: larger than the rounding of times with four digits.
 const DIFFERENT_STEP: f64 = 1e-3;
 
 /// Choice of the abscissa column, made before the numbers are read.
@@ -204,7 +204,8 @@ fn other_times(
             .then_some((from, (to - from) / n_steps as f64))
     };
     let (start, step) = times(first)?;
-    // columns of other channels on both sides; a time of day next to the time of the test has none
+    // a second column of times has columns of other channels on both sides, whereas a column with
+    // the time of day is next to the first column of times or at the end of the table
     let stands_between = |at: usize| at > first + 1 && at + 1 < table.columns.len();
     let mut others = (0..table.columns.len()).filter(|&at| at != first);
     let (at, part, other, own) = others.find_map(|at| {

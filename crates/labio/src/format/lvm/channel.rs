@@ -14,8 +14,8 @@ pub(super) struct Tag<'a> {
     pub(super) values: Vec<&'a str>,
 }
 
-/// Relative rounding of `Delta_X` above which a customary rate is proposed. Below it, the error of
-/// a frequency is less than a hundredth of a line in ten thousand lines.
+/// Relative rounding of `Delta_X` above which a customary rate is proposed: a smaller rounding
+/// changes no frequency by more than a relative 1e-6.
 const NOTICEABLE_ROUNDING: f64 = 1e-6;
 
 /// Header entries and samples of one channel.

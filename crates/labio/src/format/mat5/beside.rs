@@ -90,7 +90,7 @@ impl Beside {
             series.abscissa = abscissa;
         }
         if self.units[1].is_some() {
-            // the label is that of the sample index, which an abscissa with a unit is not
+            // the present label is `index`, the default; an abscissa with a unit is not an index
             series.abscissa_axis.label.clear();
         }
         if let Some(name) = self.name {

@@ -72,7 +72,8 @@ impl Writer for Mat5 {
                 Abscissa::Uneven(values) => number("x", values)?,
             }
             let [values, abscissae] = [&series.ordinate_axis, &series.abscissa_axis];
-            // without the name of the variable and the usual kind
+            // returns an empty text, which is not written, if `found` is what the reader assumes
+            // without it
             let unless = |usual: &str, found: &str| match found == usual {
                 true => String::new(),
                 false => found.to_owned(),

@@ -61,13 +61,14 @@ pub struct Blocks<R> {
 /// Source of the sampling rate.
 #[derive(Debug)]
 enum Clock {
-    /// The first row, whose time steps are checked as they are read.
+    /// The row of times, whose steps are checked as they are read.
     Times { step: f64, previous: Option<f64> },
-    /// The caller: every row is a channel.
+    /// The rate that the caller states; every row is a channel.
     Given { sampling_rate_hz: f64 },
 }
 
-/// Returns a number of the file as a count of the memory, where it ends at the largest one.
+/// Converts a count from the file to `usize`; a count beyond the largest `usize` becomes the
+/// largest.
 fn count(number: u64) -> usize {
     usize::try_from(number).unwrap_or(usize::MAX)
 }

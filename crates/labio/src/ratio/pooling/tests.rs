@@ -97,17 +97,17 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
         }
         let all = f64::from(u32::try_from(records).unwrap()) * LINES as f64;
         assert!(n > 0.95 * all, "{count}: {n} of {all}");
-        // 20 records or more of 300 lines with 2(n - 1) degrees of freedom: a standard error of 1 %
-        // of the mean; the fit, which does not allow negative noise, has a bias of 2 %
+        // tolerance: a standard error of 1 % of the mean of 20 or more records of 300 lines, and a
+        // bias of 2 % because the fit does not allow negative noise
         assert!((mean / n - 1.0).abs() < 0.04, "{count}: {}", mean / n);
         assert!(
             (scatter / said - 1.0).abs() < 0.25,
             "{count}: {scatter} {said}"
         );
-        // A fit uses ceil(80/ν) lines with ν = 2(n - 1) degrees of freedom each. Where one
-        // coefficient is 0, the other has all these degrees of freedom: 80 for three hits and 90
-        // for ten. If both coefficients are fitted, each has half of them on average; 20 % less are
-        // allowed because of the lines at both ends
+        // A fit uses ceil(80/ν) lines with ν = 2(n - 1) degrees of freedom each: 80 degrees of
+        // freedom for three hits and 90 for ten. If one coefficient is 0, the other has all of
+        // them; if both are fitted, each has half of them on average. The lower limit is 20 % below
+        // this half because of the lines at both ends
         let freedom = 2.0 * n / said;
         let alone = 2.0 * (count as f64 - 1.0);
         let most = alone * (80.0 / alone).ceil();
@@ -139,7 +139,7 @@ fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
         assert!((pooled.freedom[100].line - 6.0).abs() < 1e-12);
         let beside = hits.quotient(&pooled, 102, noise(102));
         assert!((0.3..2.5).contains(&beside), "{beside}");
-        // the contribution of a line is unchanged
+        // each line contributes its own 2(n - 1) = 6 degrees of freedom
         assert!(
             pooled
                 .freedom
@@ -157,10 +157,11 @@ fn r14_lines_with_rough_noise_keep_their_own() {
     let pooled = hits.pooled();
     let kept = pooled.freedom.iter().filter(|f| f.line < 18.5).count();
     assert!(kept > LINES / 4, "{kept}");
-    // many averages need no neighbours
+    // 30 averages have more than 40 degrees of freedom on each line: nothing is pooled
     let many = Hits::drawn(2, 30, |_| [1e-5, 0.0]);
     assert_eq!(many.pooled().variance, many.variance);
-    // correlated lines have fewer degrees of freedom together
+    // one independent line in four: a line contributes a quarter of its 2(n - 1) = 4 degrees of
+    // freedom
     let few = Hits::drawn(3, 3, |_| [1e-5, 0.0]);
     assert!((few.by_lines(4.0).freedom[50].own - 1.0).abs() < 1e-12);
 }
