@@ -1,7 +1,7 @@
-//! Reading and writing of records of the size of one hit, and streaming of long records.
+//! Benchmarks of reading and writing records of the size of one hit, and of streaming long records.
 //!
-//! Lower bounds of these times are measured too: for text, parsing or printing its numbers one by
-//! one with the standard library; for binary formats, copying the bytes.
+//! Lower bounds of the times are measured as well. For text, numbers are parsed or printed one by
+//! one with the standard library; for binary formats, the bytes are copied.
 #![allow(
     clippy::unwrap_used,
     missing_docs,
@@ -110,7 +110,7 @@ fn one_hit(criterion: &mut Criterion) {
     }
 }
 
-/// Returns the fields of a text that are numbers.
+/// Returns those fields of a text that are numbers.
 fn numbers(bytes: &[u8]) -> Vec<&str> {
     let text = std::str::from_utf8(bytes).unwrap();
     let fields = text.split([',', '\t', '\n', ' ']);

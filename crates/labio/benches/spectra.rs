@@ -1,10 +1,10 @@
-//! Frequency responses and coherence of two channels, from samples in memory to all three results,
-//! on one thread.
+//! Benchmark of the response, its coherence and its errors from two channels in memory, on one
+//! thread.
 //!
-//! `welch`: 2^20 samples per channel in segments of 8192, Hann periodic, half overlap. `hits`: ten
-//! hits of 65 536 samples. A lower bound is measured with each: the same number of real transforms
-//! of the same length, including the copies of the samples into the buffer of the transform. Two
-//! further groups vary the number and the length of the hits.
+//! `welch`: 2^20 samples per channel in segments of 8192, with a periodic Hann window and half
+//! overlap. `hits`: ten hits of 65 536 samples. The lower bound of either time is that of the same
+//! number of real transforms of the same length, including the copies of the samples into the
+//! buffer of the transform. Two further groups vary the number and the length of the hits.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

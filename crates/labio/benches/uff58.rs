@@ -1,6 +1,6 @@
-//! Universal files of 32 769 complex lines (the response of 65 536 samples), in memory: text of 13
-//! digits, text of 6 digits and 58b. The lower bound is measured by printing and parsing the same
-//! numbers one by one with the standard library.
+//! Benchmark of universal files of 32 769 complex lines (the response of 65 536 samples), in
+//! memory: text of 13 digits, text of 6 digits and 58b. The lower bound of the times is that of
+//! printing or parsing the same numbers one by one with the standard library.
 #![allow(missing_docs, reason = "criterion makes a public function")]
 #![allow(
     clippy::unwrap_used,
@@ -19,7 +19,7 @@ use num_complex::Complex64;
 
 const N_LINES: usize = 32_769;
 
-/// A receptance of one mode in metres per newton: numbers from 1e-10 to 1e-6 with all digits of a
+/// Receptance \[m/N\] of one mode, whose values are between 1e-10 and 1e-6 and have all digits of a
 /// double.
 fn receptance() -> Contents {
     let lines = (0..N_LINES).map(|line| {

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The program writes `table.csv` or, if no table is named, the name of the universal file with
-//! `.csv` appended. If no universal file is named, the program makes one: the ring-down of a rod's
-//! end, as text and as 58b. Of a partly readable file, it converts the readable part and reports
-//! the missing parts.
+//! `.csv` appended. If no universal file is named, the program first writes one that contains the
+//! ring-down of a rod's end as text and as 58b. If only a part of a file can be read, the program
+//! converts that part and reports the rest.
 #![allow(
     clippy::print_stdout,
     reason = "an example prints its results to the standard output"

@@ -35,8 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let hits = hammer.strike(5, 1)?;
 
-    // the hammer touches the body for 0.3 ms after sample 100: the rest of the hammer's channel is
-    // noise
+    // the hammer touches the body from sample 100 on for 0.3 ms; the rest of its channel is noise
     let contact = ForceWindow::new(1.8e-3, 2.5e-3, 2e-4)?;
     let mut averager = SpectrumAverager::for_records_like(&hits[0], Window::Rectangular)?
         .with_force_window("hammer", contact)?;

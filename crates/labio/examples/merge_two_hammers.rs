@@ -26,7 +26,8 @@ use labio::{
 
 fn main() -> Result<(), Box<dyn Error>> {
     // a heavy hammer with a soft tip for low frequencies, a small one with a hard tip for high
-    // frequencies; the ranges of the amplifiers, and with them the noise, follow the levels
+    // frequencies; the noise of a channel is proportional to the range of its amplifier, which is
+    // adjusted to the peak
     let heavy = Hammer {
         peak_force: 200.0,
         contact: 1.2e-3,

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The default of 10^8 samples needs 1.6 GB in the folder for temporary files while the program
-//! runs. A file named on the command line is kept; if it already has the right length, it is read
-//! without being written again.
+//! runs. A file named on the command line is kept; if it already has the right length, it is not
+//! written again.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,

@@ -1,5 +1,5 @@
-//! Properties that hold for random records of any content, and for numbers at the ends of the range
-//! of `f64`.
+//! Properties of results for random records of any content, and for numbers at the ends of the
+//! range of `f64`.
 
 mod extremes_sizes;
 mod extremes_values;

@@ -116,7 +116,7 @@ fn coordinates_units_and_texts_come_with_the_series() {
     }
 
     let shots = read(SHOTS);
-    // times in single precision: steps of 0.02 ms are even within their rounding
+    // times in single precision: a step of 0.02 ms is even within the rounding of the times
     let force = series(&shots, "force[0, :]");
     assert!(
         matches!(force.abscissa, Abscissa::Even { start: 0.0, step } if (step - 0.02).abs() < 1e-9)
@@ -145,7 +145,7 @@ fn coordinates_units_and_texts_come_with_the_series() {
     ] {
         assert_eq!(property(&matlab, key), value);
     }
-    // a file with complex series contains spectra: `fs` gives them no times
+    // complex series are spectra, so `fs` does not give them times
     assert_eq!(
         series(&matlab, "force").abscissa,
         Abscissa::Even {

@@ -1,5 +1,5 @@
-//! Faults of hits, each made on purpose and found with its reason; also the measured records, if
-//! they are available.
+//! Hits with faults, each of which must be found with its reason, and the measured records, if they
+//! are available.
 
 #![allow(
     clippy::unwrap_used,
@@ -91,7 +91,7 @@ fn reasons(record: &Record) -> Vec<Reason> {
     Criteria::default().judge(record, FORCE, None).unwrap()
 }
 
-/// Returns the only reason; fails with the list of reasons if there is not exactly one.
+/// Returns the only reason for rejecting the record; panics if there is not exactly one.
 fn only(record: &Record) -> Reason {
     let mut found = reasons(record);
     assert_eq!(found.len(), 1, "{found:#?}");

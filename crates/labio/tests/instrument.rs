@@ -1,4 +1,4 @@
-//! Instruments compared with closed forms: sines, pulses, and the statistics of noise.
+//! Instruments compared with closed forms of sines and pulses and with the statistics of noise.
 
 use std::f64::consts::{PI, TAU};
 
@@ -50,8 +50,8 @@ fn a_tone_leaves_the_filter_with_the_gain_and_phase_of_its_polynomial() {
         let quadratic = |b: f64| 1.0 / (1.0 + b * s(f) + s(f) * s(f));
         quadratic(0.765_366_864_730_179_5) * quadratic(1.847_759_065_022_573_5)
     };
-    // order 4: 105 over s⁴ + 10 s³ + 45 s² + 105 s + 105, at half power for s = 2.113 917 674 904
-    // 216 i
+    // order 4: 105/(s⁴ + 10 s³ + 45 s² + 105 s + 105), which has half power at s = 2.113 917 674
+    // 904 216 i
     let bessel = |f: f64| {
         let p = s(f) * 2.113_917_674_904_216;
         105.0 / ((((p + 10.0) * p + 45.0) * p + 105.0) * p + 105.0)
@@ -71,10 +71,10 @@ fn a_tone_leaves_the_filter_with_the_gain_and_phase_of_its_polynomial() {
             let a = record.channel("a").unwrap();
             for k in 19_000..21_000 {
                 let phasor = expected * Complex64::cis(TAU * f * k as f64 / rate_hz);
-                // Half a second of full amplitude is 1256 time constants of the filter: no
-                // transient is left. The fades have hardly any content at half the sampling rate,
-                // where the response is cut off. Rounding errors of a transform of 131 072 lines
-                // remain, some 1e-14.
+                // tolerance: rounding errors of a transform of 131 072 lines, some 1e-14. The
+                // transient has decayed within the half second of full amplitude before, 1256 time
+                // constants of the filter. The fades have almost no content at half the sampling
+                // rate, where the response is cut off
                 assert!(
                     (a[k] - phasor.re).abs() < 1e-11,
                     "{f} Hz, {k}: {}",
@@ -161,11 +161,10 @@ fn noise_has_its_density_within_the_spread_of_chi_square() {
         let found = mean_periodogram(&instrument, rate_hz, n, &lines, seeds);
         for (found, line) in found.into_iter().zip(lines) {
             let expected = spectrum.density(line as f64 * rate_hz / n as f64);
-            // A mean of m exponential deviates has the distribution of χ² with 2m degrees of
-            // freedom divided by 2m: a relative standard deviation of 1/√m, nearly Gaussian for
-            // m = 600; the tolerance for 33 lines is five of these. The window adds a part of the
-            // neighbouring lines: for f⁻² at line 10 (1/3)·3/10², 1 %; on lower lines less than
-            // 4 %.
+            // tolerance: five standard deviations, for 33 lines. The mean of m = 600 exponential
+            // deviates has a relative standard deviation of 1/√m and is nearly Gaussian. The window
+            // adds a part of the neighbouring lines: (1/3)·3/10² = 1 % for f⁻² at line 10, and less
+            // than 4 % on lower lines
             let spread = 5.0 / (seeds as f64).sqrt();
             let leakage = if line < 10 { 0.07 } else { 0.01 };
             assert!(
@@ -197,7 +196,7 @@ fn cross_talk_is_the_product_with_its_matrix() {
             8.0 * (t * 16.0).floor()
         }
     });
-    // fractions with powers of two are exact
+    // multiples of a power of 1/2 are exact
     let matrix = array![[1.0, 0.125], [-0.5, 0.75]];
     let mixed = taken(&Instrument::new().cross_talk(matrix).unwrap(), &history);
     let (a, b) = (history.channel("a").unwrap(), history.channel("b").unwrap());
@@ -297,8 +296,8 @@ fn an_overload_is_reported_and_every_stage_is_named() {
         panic!("{:?}", taken.saturations)
     };
     assert_eq!(channel, "a");
-    // |1.25 sin| > 1 for a fraction 1 - (2/π) asin(0.8) = 0.4097 of 400 samples, rounded to whole
-    // samples at each edge
+    // |1.25 sin| > 1 on the fraction 1 - (2/π) asin(0.8) = 0.4097 of 400 samples; tolerance:
+    // rounding to whole samples at each edge
     assert!(
         (*n_samples as f64 - 0.4097 * 400.0).abs() <= 4.0,
         "{n_samples}"

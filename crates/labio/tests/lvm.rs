@@ -177,7 +177,7 @@ fn segments_have_headers_and_columns_of_their_own() {
     assert_eq!(real(&contents, 1), [4.0, 5.0, 6.0]);
     assert_eq!(contents.series[1].abscissa, even(1.0, 0.2));
     let last = &contents.series[2];
-    // the step as written, and the rate that it may represent
+    // the step is kept as written, and a property names the rate that it may represent
     assert_eq!(last.abscissa, even(0.0, 0.000977));
     assert_eq!(
         property(&last.properties, "customary rate"),
@@ -287,8 +287,9 @@ fn the_measured_files_read() {
     let Some(folder) = measured::folder() else {
         return;
     };
-    // file; number of series; samples of the first and the last; step and the rate that it may
-    // represent; true if a strict reading accepts the file, false if it has one defect
+    // file; number of series; samples of the first and of the last series; step of the first series
+    // and the rate that it may represent; true if a strict reading accepts the file, false if it
+    // has one defect
     let (shock, power) = (Some(1.953125e-5), Some("1024 Hz, a power of two"));
     #[rustfmt::skip]
     let rows = [

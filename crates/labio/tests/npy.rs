@@ -490,7 +490,7 @@ proptest! {
             prop_assert!(real(&back, c).iter().zip(row).all(|(a, b)| a.to_bits() == b.to_bits()));
             prop_assert_eq!(real(&back, c).len(), n);
         }
-        // an array of one axis has no memory order
+        // the order of the memory has no meaning for an array of one axis
         if given.series.len() > 1 {
             prop_assert_eq!(written(&Npy, &back).unwrap(), bytes);
         }

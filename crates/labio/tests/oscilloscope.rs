@@ -1,4 +1,5 @@
-//! Traces of oscilloscopes, compared with the readers of the manufacturers and of others.
+//! Traces of oscilloscopes, compared with the values that readers of the manufacturers and others
+//! give.
 
 use labio::Abscissa;
 use labio::format::oscilloscope::{LeCroy, TektronixIsf, TektronixWfm};
@@ -113,7 +114,7 @@ fn what_is_no_trace_over_time_is_refused_by_name() {
 fn a_file_that_was_cut_is_refused_or_returned_as_far_as_it_goes() {
     for (name, file) in FILES {
         let reader = reader_of(name);
-        // version 3 has texts after the samples
+        // a file of version 3 has texts after the samples
         let end = if name.ends_with("wfm") {
             let place = [file[0x10], file[0x11], file[0x12], file[0x13]];
             40 + match file[0] {

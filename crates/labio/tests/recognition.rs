@@ -1,4 +1,5 @@
-//! No format recognises the files of another.
+//! Files are recognised by the reader of their format and by no other reader, except a file that
+//! states two formats.
 
 use testbed::measured;
 
@@ -86,7 +87,7 @@ fn the_measured_files_have_the_taker_of_their_ending() {
                 Some("csv") => &["csv"],
                 Some("tdms") => &["tdms"],
                 Some("uff") => &["uff58"],
-                // a description in words is not data
+                // a description in words has no data
                 Some("txt") if name.contains("details") => &[],
                 Some("txt") => &["csv"],
                 _ => &[],

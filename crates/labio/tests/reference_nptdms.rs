@@ -64,8 +64,8 @@ fn values_are_npt_dms_s() {
                 Ordinate::Real(values) => values[index].into(),
                 Ordinate::Complex(values) => values[index],
             };
-            // npTDMS evaluates the formulas of sensors in another order, and finds the roots of a
-            // quartic from eigenvalues
+            // tolerance: npTDMS evaluates the formulas of sensors in another order, and finds the
+            // roots of a quartic as eigenvalues
             let rounding = if file == "sensors" {
                 1e-10 * (1e-3 + expected.norm())
             } else {
@@ -101,8 +101,8 @@ fn properties_are_npt_dms_s() {
         };
         let found = found.unwrap_or_else(|| panic!("{line}: no such property"));
         let same = match (found.parse::<f64>(), expected.parse::<f64>()) {
-            // a number in single precision, printed with its own digits here and with those of a
-            // double by npTDMS
+            // a number in single precision: its shortest form here, the digits of a double in
+            // npTDMS
             (Ok(found), Ok(expected)) if name == "gain" => {
                 (found - expected).abs() <= f64::from(f32::EPSILON) * expected.abs()
             }

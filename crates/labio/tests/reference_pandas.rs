@@ -61,7 +61,7 @@ fn cells_are_pandas_s() {
 }
 
 /// The column of times is an even abscissa in seconds unless its digits do not determine the step:
-/// six decimals over 29 steps of 20 us determine the step to 2 in 1000, and these times are used
+/// six decimals over 29 steps of 20 µs determine the step only to 0.2 %, and these times are used
 /// unchanged.
 #[test]
 fn times_are_even_where_they_can_be() {

@@ -91,8 +91,8 @@ fn compare(table: &str, file: &str) -> usize {
         match &contents.series[point.data_set].abscissa {
             Abscissa::Uneven(x) => assert_eq!(x[point.index], point.x, "{what}"),
             Abscissa::Even { start, step } => {
-                // pyuff adds the step of the header repeatedly or multiplies it: a few rounding
-                // errors
+                // tolerance: a few rounding errors, because pyuff adds the step of the header
+                // repeatedly or multiplies it
                 let x = start + step * point.index as f64;
                 assert!((x - point.x).abs() <= 1e-14 * point.x.abs(), "{what}: {x}");
             }
@@ -107,7 +107,7 @@ fn files_of_pyuff_are_read_as_it_reads_them() {
     assert_eq!(compared, VALUES.lines().count() - 1);
 }
 
-/// The headers are those that the script next to the files passed to pyuff.
+/// The headers contain what the script next to the files passed to pyuff.
 #[test]
 fn headers_of_pyuff_are_understood() {
     let contents = format::read_bytes(bytes_of("text")).unwrap();
@@ -143,8 +143,8 @@ fn headers_of_pyuff_are_understood() {
     assert_eq!(series.abscissa_axis.unit_text, "Hz");
 }
 
-/// The numbers that pyuff reads from our files are those that we read from its files: our text of
-/// 13 digits keeps its 12 digits, binary keeps all.
+/// pyuff reads the same numbers from our files as we read from its files: text of 13 digits keeps
+/// the 12 digits of its text, and binary files keep all digits.
 #[test]
 fn pyuff_reads_what_is_written_here() {
     let mut compared = 0;

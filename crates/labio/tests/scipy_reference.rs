@@ -23,7 +23,7 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// Values of a quantity of a case, in order.
+/// Values of one quantity of a reference case, in order.
 fn reference(case: &str, quantity: &str) -> Fallible<Vec<Complex64>> {
     let mut values = Vec::new();
     for row in SPECTRA.lines().skip(1) {
@@ -40,7 +40,7 @@ fn reference(case: &str, quantity: &str) -> Fallible<Vec<Complex64>> {
     Ok(values)
 }
 
-/// Largest relative difference of a line.
+/// Largest difference on any line, relative to the reference.
 fn apart(found: &[Complex64], expected: &[Complex64]) -> Found {
     if found.len() != expected.len() {
         return Err(format!("{} lines, expected {}", found.len(), expected.len()).into());
@@ -115,7 +115,8 @@ fn samples(n: usize) -> Fallible<Record> {
     hit(&x, &y, 2048.0)
 }
 
-/// Name in the reference; samples of the record, of a segment, of the overlap; window; detrending.
+/// Name of the case in the reference; numbers of samples of the record, of a segment and of the
+/// overlap; window; detrending.
 #[rustfmt::skip]
 const CASES: [(&str, [usize; 3], Window, Detrend); 12] = [
     ("hann_periodic", [700, 64, 32], Window::HannPeriodic, Detrend::None),

@@ -35,7 +35,7 @@ pub(crate) fn property<'a>(properties: &'a [(String, String)], name: &str) -> Op
     found.map(|(_, value)| value.as_str())
 }
 
-/// Error of each reading, one per line; if a reading succeeds, its line shows the contents.
+/// One line per reading: its error or, if it succeeds, the contents.
 pub(crate) fn refusals(read: impl IntoIterator<Item = Result<Contents, LabioError>>) -> String {
     let said = read.into_iter().map(|read| match read {
         Ok(contents) => format!("read {:?}", contents.series),

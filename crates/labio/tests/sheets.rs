@@ -1,4 +1,4 @@
-//! Sheets: a laboratory's description of its sensors and triggers, read through the checks of the
+//! Sheets: a laboratory's description of its sensors and triggers, whose values are checked by the
 //! constructors.
 
 #![cfg(feature = "serde")]
@@ -118,7 +118,7 @@ fn triggers_and_criteria_are_read_with_their_defaults() {
 #[test]
 fn a_sheet_with_an_impossible_value_is_refused_as_the_constructor_would() {
     let refusal = |error: serde_json::Error| {
-        // serde_json appends the place in the text
+        // serde_json adds the place in the text to the message
         error
             .to_string()
             .split(" at line")

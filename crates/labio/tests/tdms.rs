@@ -154,7 +154,7 @@ fn measured_files_are_read_or_refused() {
             (samples[0], samples[17_999]),
             (f64::from(first), f64::from(last))
         );
-        // rounding errors of 18 000 additions of numbers below 0.1 in another order
+        // tolerance: 18 000 additions of numbers below 0.1 in another order
         assert!((samples.iter().sum::<f64>() - sum).abs() < 1e-11, "{name}");
         assert_eq!(series.ordinate_axis.unit_text, "g");
         assert_eq!(series.abscissa, even(0.0, 1.0 / 30.0));
@@ -167,7 +167,7 @@ fn measured_files_are_read_or_refused() {
     assert_eq!((record.channels().len(), record.n_samples()), (8, 18_000));
     let first = record.channel("TP_ACC_LAT19_315deg_X").unwrap()[0];
     let expected_first = f64::from(0.005218853_f32) * 9.80665;
-    // one more rounding error, because the unit is a ratio
+    // tolerance: one more rounding error, because the unit is a ratio
     assert!((first - expected_first).abs() <= f64::EPSILON * expected_first);
 
     let faulty = folder.join("faulty_tdms_01.tdms");

@@ -1,5 +1,5 @@
-//! Units compared with a table typed from their definitions, and every compound with the product of
-//! its factors.
+//! Units compared with a table of their definitions, and random compounds compared with the product
+//! of their factors.
 
 use labio::{Dimension, Quantity, Unit};
 use proptest::prelude::*;
@@ -60,7 +60,7 @@ fn g_is_the_gram_where_a_mass_is_asked_for() {
         let unit = Unit::parse_as(text, expected).unwrap();
         (unit.to_si(1.0), unit.dimension() == expected)
     };
-    // one rounding error of each ratio
+    // tolerance: one rounding error for each ratio
     for (text, like, value) in [
         ("g", "kg", 1e-3),
         ("mg", "kg", 1e-6),
@@ -194,9 +194,9 @@ proptest! {
         prop_assume!(text.chars().count() <= 64);
         let unit = Unit::parse(&text).unwrap();
         prop_assert_eq!(unit.dimension(), dimension);
-        // at most 64 rounding errors on each side
+        // tolerance: at most 64 rounding errors on each side
         prop_assert!((unit.to_si(1.0) / si - 1.0).abs() < 128.0 * f64::EPSILON, "{} against {}", unit.to_si(1.0), si);
-        // four rounding errors
+        // tolerance: four rounding errors
         prop_assert!((unit.of_si(unit.to_si(value)) - value).abs() <= 4.0 * f64::EPSILON * value.abs());
         prop_assert_eq!(Unit::parse(&unit.to_string()).unwrap(), unit);
     }

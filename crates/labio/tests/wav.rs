@@ -83,7 +83,7 @@ fn integers_become_fractions_of_full_scale() {
     );
     assert_eq!(contents.properties[2], pair("INAM", "test"));
 
-    // samples of 8 bits are unsigned, and an odd number of them is padded
+    // a padding byte follows an odd number of unsigned 8-bit samples
     let bytes = riff(&[
         chunk(b"fmt ", &fmt(1, 1, 8000, 8)),
         chunk(b"data", &[0, 128, 255]),

@@ -165,7 +165,7 @@ fn a_date_and_an_error_are_no_numbers() {
     }
 }
 
-/// openpyxl writes formulas without their values; the column must not be lost.
+/// A formula without a value, as openpyxl writes it, is an error: its column must not be lost.
 #[test]
 fn a_formula_without_its_value_is_refused_at_its_place() {
     let number = r#"<c r="C7"><v>2.5e-308</v></c>"#;
@@ -203,7 +203,7 @@ fn what_holds_no_numbers_or_is_another_archive_is_refused() {
     // two cells in opposite corners of a worksheet do not take the memory of all cells between them
     let far = r#"<row r="1"><c r="A1"><v>1</v></c></row><row r="1048576"><c r="XFD1048576"><v>2</v></c></row>"#;
     let _ = format::read_bytes(&workbook(&[("far", far)]));
-    // no memory is reserved for texts that a list only announces
+    // a list that announces more texts than it can contain is rejected before memory is reserved
     let mut archive = zip::ZipWriter::new_append(Cursor::new(workbook(&[("shot", "")]))).unwrap();
     archive
         .start_file("xl/sharedStrings.xml", SimpleFileOptions::default())

@@ -230,7 +230,8 @@ fn workbook(style: u16, pad: usize) -> Vec<u8> {
 
 #[test]
 fn old_workbooks_are_read_to_the_bit() {
-    // in small and in large sectors; a format with seconds in quotes is not a date
+    // the workbook in small and in large sectors; a number format with the word seconds in quotes
+    // is not that of a date
     for bytes in [workbook(0, 0), workbook(3, 5000)] {
         let contents = format::read_bytes(&bytes).unwrap();
         assert_eq!((contents.format, contents.series.len()), ("xls", 1));

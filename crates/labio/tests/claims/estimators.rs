@@ -277,7 +277,8 @@ fn the_variance_of_a_line_is_twice_that_of_a_component() {
             let square = response.values[k].norm_sqr();
             let formula = square * (1.0 - coherence[k]) / (f64::from(n_hits - 1) * coherence[k]);
             let from_error = 2.0 * square * errors[k].magnitude.powi(2);
-            // the same numbers combined in another order, including the difference 1 - coherence
+            // tolerance: the same numbers combined in another order, including the difference 1 -
+            // coherence
             assert!((variances[k] - formula).abs() < 1e-12 * formula);
             assert!((variances[k] - from_error).abs() < 1e-12 * formula);
         }

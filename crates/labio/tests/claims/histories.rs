@@ -28,7 +28,8 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// The p-th derivative of a history with lines 3 and 7 of a record of n samples at 100 Hz.
+/// Returns n samples, at 100 Hz, of the p-th derivative of a sum of two sines, which have three and
+/// seven periods in the n samples.
 fn periodic(n: usize, p: i32) -> Vec<f64> {
     (0..n)
         .map(|i| {
@@ -301,7 +302,7 @@ fn rigid_bodies(report: &mut Claims) {
     );
 }
 
-/// Response from `n_hits` hits on a damper whose velocity is `delay` samples late and noisy.
+/// Response of a damper, from `n_hits` hits whose velocity has noise and is `delay` samples late.
 fn damper(
     n_hits: u32,
     mobility: f64,
@@ -367,8 +368,8 @@ fn s12_nothing_but_noise_is_flagged_as_often_as_the_level_says() {
     let response = damper(8, 0.0, 0, 1.0, 2).unwrap();
     let report = response.passivity(0.02).unwrap();
     assert!(report.lines.contains(&Passivity::WithinError));
-    // 20 tests with 129 lines at a level of 1 %: 26 lines, with 20 for four standard errors; a
-    // limit of two standard errors would flag 6 % of the lines from three hits
+    // 26 of the lines of 20 tests with 129 lines are expected at a level of 1 %; tolerance: four
+    // standard errors. A limit of two standard errors would flag 6 % of the lines from three hits
     let flagged: usize = (0..20)
         .map(|seed| {
             let response = damper(3, 0.0, 0, 1.0, seed).unwrap();

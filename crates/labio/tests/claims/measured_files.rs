@@ -13,9 +13,9 @@ use testbed::hold;
 
 const SOURCE: &str = "description supplied with the records";
 
-/// Numbers of files of a folder that, according to the description, are intact; have a defect (junk
-/// at the end of a table, fewer rows than announced, times of three digits); are corrupt or contain
-/// no data.
+/// Folder, and the numbers of its files that, according to the description, are intact; have a
+/// defect (junk at the end of a table, fewer rows than announced, times of three digits); or are
+/// corrupt or without data.
 const FOLDERS: [(&str, [usize; 3]); 9] = [
     ("hammer", [6, 0, 0]),
     ("lvm", [4, 2, 0]),

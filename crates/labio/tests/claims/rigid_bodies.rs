@@ -18,16 +18,16 @@ fn low_lines_have_the_error_of_the_weighing() {
     let body = RigidBody::new(MASS, 0.001).unwrap();
     let completed = body.complete(&accelerance, BAND).unwrap();
     assert_eq!(completed.first_measured, 6);
-    // claims compare the elastic term and the values of the lines with x cot x/M
     for line in 0..6 {
         let variance = completed.response.variance.as_ref().unwrap()[line];
-        // error of the weighing: 0.001/3.79; that of the elastic term is far smaller
+        // relative error of the weighing, 0.001/3.79; tolerance: the error of the elastic term,
+        // which is far smaller
         assert!(((variance / 2.0).sqrt() * MASS * MASS / 0.001 - 1.0).abs() < 0.02);
         assert!(completed.response.coherence.as_ref().unwrap()[line].is_nan());
         assert_eq!(completed.response.validity[line], LineValidity::Valid);
     }
     assert_eq!(completed.response.values[6..], accelerance.values[6..]);
-    // the fourth order changes the apparent mass by a relative few 1e-6
+    // tolerance: the term of fourth order, a few 1e-6
     assert!((completed.apparent_mass / MASS - 1.0).abs() < 2e-5);
 }
 
@@ -42,7 +42,7 @@ fn mobility_tends_to_one_over_i_omega_m_and_has_no_value_at_zero() {
     assert_eq!(completed.kind().unwrap(), ResponseKind::Mobility);
     assert_eq!(completed.validity[0], LineValidity::NotDefined);
     let rigid = 1.0 / Complex64::new(0.0, TAU * 10.0 * MASS);
-    // elastic part (omega L/c)^2/3 = 1.3e-5 at 10 Hz
+    // tolerance: the elastic part, (omega L/c)^2/3 = 1.3e-5 at 10 Hz
     assert!((completed.values[1] / rigid - 1.0).norm() < 2e-5);
     assert_eq!(completed.values[6..], mobility.values[6..]);
 }
@@ -50,8 +50,8 @@ fn mobility_tends_to_one_over_i_omega_m_and_has_no_value_at_zero() {
 #[test]
 fn the_apparent_mass_of_a_wide_band_has_the_terms_of_higher_order() {
     let body = RigidBody::new(MASS, 0.001).unwrap();
-    // a band up to half the first antiresonance, where (omega L/c)^4/45 is 8e-3 and the next term,
-    // 2 (omega L/c)^6/945, 5e-4
+    // up to half the first antiresonance: there (omega L/c)^4/45 is 8e-3, and the next term, 2
+    // (omega L/c)^6/945, is 5e-4
     let wide = RigidBand {
         to_hz: 1250.0,
         ..BAND

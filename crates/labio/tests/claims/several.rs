@@ -24,8 +24,8 @@ fn claims_hold() {
 
 const GAINS: [f64; 3] = [2.0, -0.5, 1.5];
 
-/// Spectra of three inputs and their response with gains; the second input contains half of the
-/// first, and the third contains parts of the first two; noise on the output.
+/// Spectra of three inputs, of which the second contains half of the first and the third contains
+/// parts of both, and of their response with gains and noise.
 fn three_inputs(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<AveragedSpectra> {
     let mut rng = Noise::seeded(seed);
     let mut hits = Vec::new();
@@ -154,7 +154,7 @@ fn one_input_is_h1_and_the_ordinary_coherence() {
     let coherence = single.coherence.unwrap();
     let variance = single.variance.unwrap();
     for line in 0..33 {
-        // the same ratio, computed with square roots
+        // tolerance: rounding errors of square roots
         assert!((several.values[(0, line)] / single.values[line] - 1.0).norm() < 1e-13);
         for found in [
             several.multiple_coherence[line],

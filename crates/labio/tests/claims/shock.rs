@@ -1,6 +1,6 @@
-//! Drop-table shocks, `shock/Test_{001,002,003,017}.lvm`: acceleration of the table and of the
-//! specimen on it; the last file is a documented failure. Also two hits of a hammer in one LabVIEW
-//! file, `hammer/long_single_header_multi_ch.lvm`.
+//! Shocks of a drop table, `shock/Test_{001,002,003,017}.lvm`: accelerations of the table and of
+//! the specimen on it; the last file is documented as a failure. Also two hits of a hammer in one
+//! LabVIEW file, `hammer/long_single_header_multi_ch.lvm`.
 
 use std::path::Path;
 
@@ -145,7 +145,7 @@ struct TwoHits {
     least_coherence: f64,
 }
 
-/// The file labels its force as an acceleration in g; this does not affect the coherence.
+/// The file labels its force as an acceleration in g, which does not affect the coherence.
 fn two_hits(data: &Path) -> Ours<TwoHits> {
     let hits = records(&data.join("hammer").join("long_single_header_multi_ch.lvm"))?;
     let (mean_coherence, least_coherence) = coherence_over(&hits, ["F", "m_2"], 50.0, 450.0)?;

@@ -1,5 +1,5 @@
-//! Averaged spectra: Parseval's theorem, closed forms, the distribution of their scatter.
-//! `scipy_reference.rs` compares them with SciPy's.
+//! Averaged spectra: Parseval's theorem, closed forms and the distribution of their scatter. The
+//! comparison with SciPy is in `scipy_reference.rs`.
 
 use std::f64::consts::TAU;
 
@@ -92,7 +92,7 @@ fn closed_forms(report: &mut Claims) {
     );
 }
 
-/// The analyser of paper E, section 3.1: 4096 samples, whose period is printed as 28 ms.
+/// The analyser of paper E, section 3.1: 4096 samples, whose duration is printed as 28 ms.
 fn analyser(report: &mut Claims) {
     const SOURCE: &str = "paper E, section 3.1, with the erratum 28 µs for 28 ms";
     let silence = || -> Fallible<Record> {

@@ -1,5 +1,5 @@
-//! Windows: their gains in closed form, the effect of overlap and of exponential windows.
-//! `scipy_reference.rs` compares their weights with SciPy's.
+//! Windows: gains in closed form, the effect of overlap and of exponential windows. The comparison
+//! of the weights with SciPy's is in `scipy_reference.rs`.
 
 use std::f64::consts::PI;
 
@@ -109,8 +109,8 @@ fn exponential(report: &mut Claims) {
         )
         .within(2e-15, "rounding of a difference"),
         || {
-            // decay rates of 3 1/s of the body and 4 1/s of the window, damped frequency 24 rad/s:
-            // a 7-24-25 triangle under the window
+            // decay rates of 3 1/s (body) and 4 1/s (window), damped frequency of 24 rad/s: under
+            // the window the pole is -7 + 24i, whose modulus is 25
             let mode = AddedDamping::new(4.0)?.remove_from_mode(DampedMode {
                 natural_omega: 25.0,
                 damping_ratio: 7.0 / 25.0,

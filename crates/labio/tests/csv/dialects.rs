@@ -79,7 +79,7 @@ fn the_abscissa_is_found_by_name_and_unit() {
         axis("t,F\n0,1\n1,2\n4,3\n").1,
         Abscissa::Uneven(vec![0.0, 1.0, 4.0])
     );
-    // a single column is not an abscissa, because there is nothing else to plot over it
+    // without a second column, times are samples over the index
     assert_eq!(axis("t\n0\n1\n4\n").0, "index");
 }
 

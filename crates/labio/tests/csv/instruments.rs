@@ -9,8 +9,8 @@ const N: u32 = 40;
 const START: f64 = -4e-5;
 const STEP: f64 = 4e-6;
 
-/// Printed voltage of a gauge that a half sine of 60 us passes, and of a second gauge 30 us behind
-/// it.
+/// Voltage, as printed, of a gauge that a half sine of 60 µs passes, and of a second gauge that it
+/// reaches 30 µs later.
 fn volts(gauge: u32, k: u32) -> String {
     let time = START + STEP * f64::from(k) - 3e-5 * f64::from(gauge);
     let passes = (0.0..=6e-5).contains(&time);
@@ -58,7 +58,7 @@ fn rigol_states_start_and_interval_behind_the_names() {
     let one = "X,CH1,Start,Increment,\nSequence,Volt,-4.000000e-05,4.000000e-06\n";
     let row = |k| format!("{k},{},", volts(0, k));
     expect_gauges(&table(one, row), &["CH1 [Volt]"], "s");
-    // MSO5000, DHO800: no such column
+    // MSO5000, DHO800: no column counts the samples
     let row = |k| format!("{},{},,", volts(0, k), volts(1, k));
     for header in [
         "CH1V,CH2V,t0 =-4.000000e-05, tInc = 4.000000e-06,\n",
@@ -123,13 +123,14 @@ fn settings_supply_the_units_of_named_columns() {
     let other = tektronix.replace("4e-06", "4e-10");
     let said = read(table(&other, row)).unwrap_err().to_string();
     assert!(said.contains("half a step of 4e-10"), "{said}");
-    // Siglent: the heading of the times states their unit, the settings that of the display
+    // Siglent: the heading of the times states their unit, the settings state the unit of the
+    // display
     let siglent = "Record Length,Analog:40,\nSample Interval,Analog:4.000000E-06,\nVertical Units,CH1:V,,\nHorizontal Units,us,\nModel Number,SDS1104X-U,\nSource,CH1\nSecond,Value\n";
     let row = |k| format!("{},{}", time(k), volts(0, k));
     expect_gauges(&table(siglent, row), &["Value [V]"], "s");
     let siglent = "Record Length,Analog:40\nSample Rate,250000.0\nVertical Scale,CH1: 0.05\nHorizontal Scale, 0.000010000\nSecond,Volt\n";
     expect_gauges(&table(siglent, row), &[" [Volt]"], "Second");
-    // the stated interval is in another unit than the times
+    // the stated interval has another unit than the times
     let row = |k: u32| format!("{},{}", 4 * i64::from(k) - 40, volts(0, k));
     let text = table("Sample Interval,4e-06,s\ntime [us],CH1 [V]\n", row);
     assert_eq!(read(text).unwrap().series[0].abscissa, even(-40.0, 4.0));

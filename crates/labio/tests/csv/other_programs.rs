@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A pulse in units of the last written digit.
+/// A pulse; its samples are integers, in units of the last written digit.
 fn pulse(k: usize) -> f64 {
     f64::from(u8::try_from(k * k % 251).unwrap()) - 100.0
 }
@@ -112,7 +112,7 @@ fn r18_names_above_numbers_between_blanks_keep_their_units() {
         let expected: Vec<f64> = (0..200).map(|k| 0.25 * pulse(k)).collect();
         assert_eq!(real(&contents, 1), expected);
     }
-    // a column with a unit and a column without a unit
+    // two columns, of which only one has a unit
     let contents = read("# time [ms] count\n0 1\n1 5\n2 7\n").unwrap();
     assert_eq!(names(&contents), ["count []"]);
     assert_eq!(contents.series[0].abscissa_axis.unit_text, "ms");

@@ -77,7 +77,7 @@ fn only_tables_are_recognised() {
     ] {
         assert!(!Csv.recognises(bytes));
     }
-    // the head of a file that ends within a row or within a UTF-16 character
+    // the first bytes of a file, which end within a row or within a UTF-16 character
     let long: String = std::iter::once("t,F\n".to_owned())
         .chain((0..2000).map(|i| format!("{i},{i}.5\n")))
         .collect();
@@ -90,7 +90,7 @@ fn only_tables_are_recognised() {
     assert_eq!(real(&read(&wide).unwrap(), 0).len(), 2000);
 }
 
-/// A decimal comma between integers must not split a column in two.
+/// A decimal comma between two integers must not split a column into two.
 #[test]
 fn one_name_above_decimal_commas_names_one_column() {
     for text in [
@@ -108,7 +108,7 @@ fn one_name_above_decimal_commas_names_one_column() {
     assert_eq!(real(&contents, 0), [50.0, 25.0, 75.0]);
 }
 
-/// Files whose every row has a cell that is not a number: the message names the first of them.
+/// Files with a cell in every row that is not a number: the message names the first of these cells.
 #[test]
 fn text_in_every_row_is_named() {
     let said = |rows: [&str; 3]| {

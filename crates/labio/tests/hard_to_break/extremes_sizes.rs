@@ -1,4 +1,4 @@
-//! Ten million samples, and requests that exceed any memory.
+//! Records of ten million samples, requests that exceed any memory, and the shortest records.
 
 use labio::hits::{Criteria, Extent, Reason, Trigger, find_hits, find_hits_in_blocks};
 use labio::{
@@ -10,8 +10,8 @@ use ndarray::Array2;
 use super::{INPUT, channels, record, record_of};
 use crate::records::InBlocks;
 
-/// Ten million samples with a hit every hundred thousand, which are found, integrated and averaged
-/// in one pass each.
+/// Ten million samples with a hit in every hundred thousand: all hits are found, and the record is
+/// integrated and averaged.
 #[test]
 fn ten_million_samples() {
     const N: usize = 10_000_000;
@@ -98,8 +98,8 @@ fn lengths_that_no_memory_holds_are_refused() {
     }
 }
 
-/// If samples of the impact were lost, the reasons must state this, and not only that the trigger
-/// did not fire.
+/// If samples of the impact are lost, the reasons state this, and not only that the trigger did not
+/// fire.
 #[test]
 fn lost_samples_of_an_untriggered_stream_are_told() {
     let trigger = Trigger::new(INPUT, 0.5, Extent::Samples(4)).unwrap();
@@ -126,7 +126,7 @@ fn lost_samples_of_an_untriggered_stream_are_told() {
     );
 }
 
-/// One sample, none, and rates that do not divide.
+/// Records with fewer than two samples are refused; two samples are sufficient, at any rate.
 #[test]
 fn the_shortest_records() {
     for (shape, channels) in [

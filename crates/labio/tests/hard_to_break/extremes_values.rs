@@ -232,8 +232,7 @@ fn instruments() {
     }
 }
 
-/// Whatever the magnitude of the numbers in the unit of a channel, a line is right or is flagged as
-/// without information.
+/// Whatever the magnitude of the numbers, a line is right or is flagged as without information.
 #[test]
 fn spectra_of_tiny_and_huge_samples_are_right_or_flagged() {
     let plain = history();

@@ -41,20 +41,20 @@ fn refused_for_memory(bytes: &[u8], read: impl Fn(Strictness) -> Result<Contents
 fn r20_a_small_matlab_file_is_not_unpacked_beyond_the_limit() {
     let n = 1_500_000_u32;
     let characters = LITTLE.element(2, &vec![b' '; n as usize]);
-    // a row of text for every character, each with the long name
+    // a tall text: each of its 1 500 000 rows would be a property with the long name
     let long = "x".repeat(500);
     let tall_text = LITTLE.matrix(4, &[n, 1], &long, &[characters]);
-    // a series for every number
+    // each of 1 500 000 numbers would be a series
     let numbers = LITTLE.element(2, &vec![0; n as usize]);
     let columns = packed(&[LITTLE.matrix(9, &[1, 1, n], &long, std::slice::from_ref(&numbers))]);
     let read = mat5::Mat5.read(&columns, Strictness::Strict).unwrap();
     let mut properties = read.properties.iter();
     assert!(read.series.is_empty());
     assert!(properties.any(|(_, text)| text.contains("1 x 1 x 1500000, skipped")));
-    // a property for every empty cell
+    // each empty cell would be a property
     let empty = LITTLE.element(14, &[]).repeat(n as usize);
     let cells = LITTLE.matrix(1, &[n, 1], &long, &[empty]);
-    // a defect for every element that is not a cell
+    // each element that is not a cell would be a defect
     let wrong = LITTLE.element(9, &[]).repeat(n as usize);
     let defects = LITTLE.matrix(1, &[n, 1], &long, &[wrong]);
     for variable in [tall_text, cells] {
@@ -75,7 +75,7 @@ fn r20_a_caller_sets_the_limit() {
     let numbers = LITTLE.element(2, &vec![7; n as usize]);
     let file = packed(&[LITTLE.matrix(9, &[1, n], "a", &[numbers])]);
     let read = |bytes| mat5::read_within(&file, Strictness::Strict, MemoryLimit::new(bytes));
-    // 100 000 unpacked bytes, and a number of eight bytes for each of them
+    // 100 000 bytes after unpacking, each of which becomes a number of eight bytes
     assert!(matches!(
         read(899_999),
         Err(LabioError::MemoryLimit { limit: 899_999, .. })
@@ -129,7 +129,8 @@ fn history(name: &str, start: f64) -> Series {
     }
 }
 
-/// Each case would take minutes if every series, or every record, were compared with every other.
+/// A hundred thousand series are combined into records in seconds. A comparison of every series, or
+/// of every record, with all others would take minutes.
 #[test]
 fn r20_a_hundred_thousand_series_are_put_together_one_by_one() {
     const N: u32 = 100_000;

@@ -25,7 +25,7 @@ proptest! {
         let integral = integrate(&samples, rate, LowFrequency::MeanRemoved).unwrap();
         for (k, back) in differentiate(&integral, rate).unwrap().iter().enumerate() {
             let expected = samples[k] - mean - nyquist * sign(k);
-            // four transforms of numbers up to a thousand
+            // tolerance: rounding errors of four transforms of numbers up to a thousand
             prop_assert!((back - expected).abs() < 1e-9, "{back} {expected}");
         }
     }
@@ -45,7 +45,7 @@ proptest! {
         let (x, y, z) = (of(&a, rate), of(&b, rate), of(&both, rate));
         let slower = of(&a, 0.5 * rate);
         for k in 0..40 {
-            // sums of forty numbers up to 11 000
+            // tolerance: rounding errors of sums of forty numbers up to 11 000
             prop_assert!((x[k] + factor * y[k] - z[k]).abs() < 1e-9 / rate.min(1.0));
             prop_assert_eq!(slower[k].to_bits(), (2.0 * x[k]).to_bits());
         }

@@ -34,7 +34,7 @@ proptest! {
         prop_assert_eq!(&back.output, &given.output);
         for line in 1..given.values.len() {
             prop_assert_eq!(back.validity[line], LineValidity::Valid);
-            // rounding errors of a few products, quotients and powers
+            // tolerance: rounding errors of a few products, quotients and powers
             let apart = (back.values[line] - given.values[line]).norm();
             prop_assert!(apart < 1e-13 * given.values[line].norm());
         }
@@ -53,8 +53,8 @@ proptest! {
         }
     }
 
-    /// The order of the hammers does not matter, shares are between 0 and 1, and a test merged with
-    /// itself is unchanged.
+    /// The result of a merge does not depend on the order of the hammers, shares are between 0 and
+    /// 1, and a test merged with itself is unchanged.
     #[test]
     fn hammers_are_equal((first, _) in any_hits(3), seed in 0..1000_u32) {
         let other: Vec<_> = first.iter().map(|hit| {

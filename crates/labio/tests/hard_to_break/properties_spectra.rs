@@ -37,7 +37,7 @@ proptest! {
             let c = coherence.values[line];
             prop_assert!((0.0..=1.0).contains(&c), "{c}");
             let [h1, hv, h2] = [0, 1, 2].map(|k: usize| responses[k].values[line]);
-            // one rounding error of each
+            // tolerance: one rounding error of each
             let slack = 1.0 + 1e-14;
             prop_assert!(h1.norm() <= hv.norm() * slack && hv.norm() <= h2.norm() * slack);
             prop_assert!((h1.norm() * h2.norm() / hv.norm_sqr() - 1.0).abs() < 1e-12);

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Strain at a section of an elastic bar between two free ends, struck by a striker of constant
-/// section: pulses with a plateau, reversed at every passage, recorded by a converter with 256
+/// Strain at a section of an elastic bar with free ends, hit by a striker of constant section:
+/// pulses with a plateau, whose sign changes at every passage, recorded by a converter with 256
 /// steps over ±1.3.
 fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
     let step = 2.6 / 256.0;
@@ -16,8 +16,8 @@ fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
     let mut time = 2000.0;
     for passage in 0..passages {
         let sign = if passage % 2 == 0 { -1.0 } else { 1.0 };
-        // the first passage may be the smallest, for example behind a specimen that transmits
-        // little of it
+        // the first passage may be the smallest, for example behind a specimen that transmits only
+        // a small part of it
         let height = if passage == 0 {
             least
         } else {
@@ -109,8 +109,8 @@ fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
     );
 }
 
-/// Three equal samples at the crest, in noise of four converter steps: with a steep flank on one
-/// side only they are not clipping, between two steep flanks they are.
+/// Three equal samples at a crest, in noise of four converter steps: they are clipping between two
+/// steep flanks, but not if one flank is flat.
 #[test]
 fn r17_three_equal_samples_between_noise_are_no_limit() {
     let mut rng = Noise::seeded(5);
@@ -127,8 +127,8 @@ fn r17_three_equal_samples_between_noise_are_no_limit() {
     }
 }
 
-/// A limit cuts off two samples of a steep front, in a record whose noise has no steps: two equal
-/// samples are clipping. In a record in which every sample is stored twice, they are not.
+/// Two equal samples are clipping if a limit cuts off a steep front in a record whose noise has no
+/// steps, but not in a record in which every sample is stored twice.
 #[test]
 fn two_equal_samples_of_a_front_are_a_limit() {
     let mut rng = Noise::seeded(6);

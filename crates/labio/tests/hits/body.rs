@@ -45,7 +45,7 @@ impl Body {
             let t = t - onset;
             peak * half_sine(t / Self::BLOW).powi(2)
         };
-        // the rigid motion is a mode without spring
+        // the rigid motion is a mode of frequency zero
         let modes: Vec<(f64, f64, f64)> = std::iter::once((0.0, 0.0, Self::MASS))
             .chain(Self::MODES.map(|(f, mass)| (TAU * f, self.decay, mass)))
             .collect();

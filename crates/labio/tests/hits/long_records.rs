@@ -36,7 +36,7 @@ fn trigger() -> Trigger {
 #[test]
 fn a_long_record_is_cut_into_hits_with_their_reasons() {
     let log = find_hits(&long_record(), &trigger(), &Criteria::default()).unwrap();
-    // a contact passes 20 N in its second sample; the time axis of the record begins at 2 s
+    // a contact exceeds 20 N from its second sample on; the time axis of the record begins at 2 s
     insta::assert_snapshot!(log.to_string(), @r"
     hits in `force`: 5 found, 2 accepted
         1      2.0052 s  rejected
@@ -49,7 +49,7 @@ fn a_long_record_is_cut_into_hits_with_their_reasons() {
                           cut at the end: 6602 samples are missing after the hit
     ");
     let starts: Vec<f64> = log.accepted().map(Record::start_time).collect();
-    // 2 + (10 002 - 400)/10 000, within the rounding error of one sum
+    // 2 + (10 002 - 400)/10 000; tolerance: the rounding error of one sum
     assert!((starts[0] - 2.9602).abs() < 1e-12 && (starts[1] - 4.4602).abs() < 1e-12);
     let spectra = AveragedSpectra::of(log.accepted(), Window::Rectangular).unwrap();
     assert_eq!(spectra.h1(FORCE, "response").unwrap().n_averages, 2);

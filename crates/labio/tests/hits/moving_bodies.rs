@@ -66,8 +66,8 @@ fn s1_a_free_body_that_moves_on_has_the_response_it_has_within_its_errors() {
             );
             // |error|² divided by its variance from ten hits has about the distribution F(2, 18).
             // Its mean is 1.25 to 1.4, because the response is estimated from the same hits; a bias
-            // adds to it. It exceeds 6 on (1 + 6/9)^-9 = 1 % of the lines; the error of the
-            // completion is common to neighbouring lines, which at most doubles this part
+            // would increase it. It exceeds 6 on (1 + 6/9)^-9 = 1 % of the lines; this share may
+            // double, because neighbouring lines have the error of the completion in common
             let (mean, beyond) = (squares / n, beyond / n);
             assert!(
                 mean < 1.6 && beyond < 0.025,
@@ -111,7 +111,7 @@ fn s7_the_end_of_the_record_is_judged_under_the_exponential_window() {
     let judge = |criteria: Criteria| criteria.judge(hit, FORCE, None).unwrap();
     let weighed = Criteria::default().with_end_weight(1e-3).unwrap();
     assert_eq!(judge(weighed), []);
-    // a window that leaves 5 % of the motion at the end is not sufficient
+    // a window with a weight of 5 % at the end of the record is not sufficient
     let little = Criteria::default().with_end_weight(0.2).unwrap();
     assert!(matches!(judge(little)[..], [Reason::NotDecayed { .. }]));
     let by_rate = AddedDamping::to_end_weight(1e-3, hit.duration()).unwrap();
@@ -160,7 +160,7 @@ fn s7_what_the_end_of_the_record_cuts_off_is_stated_line_by_line() {
                 n += 1.0;
             }
         }
-        // the stated error is correct to a third or, if the motion has a slope at the end, which
+        // tolerance: the error is stated to a third or, if the motion has a slope at the end, which
         // the tapered end determines less well, to a factor of two; 95 % of the lines are within
         // twice the combined errors
         let ratio = (stated / squares).sqrt();

@@ -130,7 +130,7 @@ fn s11_the_odd_one_of_ten_is_found_and_no_right_one_is_accused() {
             };
             match name {
                 "dead" => assert!(scale.abs() < 0.05),
-                // noise of 1e-3 over the ten hits changes the gain by less than a thousandth
+                // tolerance: the mean of ten hits with noise of 1e-3 has an error of less than 1e-3
                 "inverted" => assert!((scale + 1.0).abs() < 0.01),
                 "gain" => assert!((scale - 1.1).abs() < 0.01),
                 "spike" => assert_eq!(*index, Some(2000)),

@@ -18,7 +18,8 @@ fn a_second_contact_is_found_above_its_limit_only() {
     else {
         panic!("expected a double hit")
     };
-    // noise of 0.05/80 on both peaks; the ringing under the second peak has decayed to exp(-28)
+    // tolerance: noise of 0.05/80 on both peaks; the ringing under the second peak has decayed to
+    // exp(-28)
     assert!((ratio - 0.2).abs() < 0.005, "{ratio}");
     assert!((separation - 0.03).abs() < 1.5 / RATE_HZ, "{separation}");
     assert_eq!(reasons(&bounce(0.03)), []);
@@ -46,7 +47,7 @@ fn a_signal_cut_at_the_range_of_the_recorder_is_clipped() {
     else {
         panic!("expected clipping")
     };
-    // sin > 3/4 from 0.54 ms to 1.46 ms after the onset: samples 6 to 14 of 10 kHz
+    // sin > 3/4 from 0.54 ms to 1.46 ms after the onset: samples 6 to 14 at 10 kHz
     assert_eq!((channel.as_str(), run, index), (FORCE, 9, ONSET + 6));
     assert!((value - 60.0).abs() < 1e-12);
     let negative = hit(|_, _, _, a| *a = a.max(-200.0));
@@ -68,8 +69,8 @@ fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
         let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
         *f = (80.0 * contact(t)).min(40.0).round();
     });
-    // `cut` is limited at sin = 1/2, where the slope is 1.1 steps per sample: it cannot be
-    // distinguished from a flat top, unlike the same limit on a fast contact
+    // `cut` is limited at half of its peak, where the force of this slow contact rises by 1.1 steps
+    // per sample: it looks like a flat top. The same limit on a fast contact is found
     let fast_cut = hit(|_, _, f, _| *f = f.min(40.0).round());
     assert!(matches!(only(&fast_cut), Reason::Clipped { .. }));
     let known = Criteria::default().with_full_scale(FORCE, 40.0).unwrap();
@@ -110,7 +111,7 @@ fn a_signal_that_stands_still_is_a_drop_out() {
         let Reason::DropOut { run, index, .. } = only(&record) else {
             panic!("expected a drop-out")
         };
-        // if the last value is held, that sample counts as part of the run
+        // a recorder that repeats the last value makes the run one sample longer
         let expected = if held.is_some() { (25, 600) } else { (26, 599) };
         assert_eq!((run, index), expected);
     }
@@ -122,7 +123,8 @@ fn levels_before_and_after_must_agree() {
     let Reason::LevelShift { before, after, .. } = only(&record) else {
         panic!("expected a level shift")
     };
-    // medians of 500 and 1000 samples with noise of standard deviation 0.2
+    // tolerance: errors of the medians of 500 samples before the onset and 950 at the end, with
+    // noise of standard deviation 0.2
     assert!(before.abs() < 0.05 && (after - 12.0).abs() < 0.05);
     // the limit is 2 % of the peak of 400, that is 8
     assert_eq!(
@@ -141,8 +143,8 @@ fn the_median_of_a_motion_that_goes_on_is_no_level_shift() {
         }
     });
     assert!(matches!(only(&record), Reason::NotDecayed { .. }));
-    // a window with a weight of 1e-3 at the end reduces the remainder of 30 to 0.03; the peak is
-    // 400
+    // a window with a weight of 1e-3 at the end reduces the remainder from 30 to 0.03, for a peak
+    // of 400
     let weighed = Criteria::default().with_end_weight(1e-3).unwrap();
     assert_eq!(weighed.judge(&record, FORCE, None).unwrap(), []);
     // the same motion about a level that shifts by 12, 3 % of the peak
@@ -225,10 +227,11 @@ fn a_record_that_begins_too_late_is_refused() {
         *f = sample.map_or(0.0, |(f, _)| *f) + *f * 1e-3;
     };
     let short = hit(steep).part(ONSET - 3..N).unwrap();
-    // of the eight samples needed, there are four: three before the pulse and its first, which is 0
+    // eight samples are needed, and four exist: three before the pulse and its first sample, which
+    // is 0
     assert_eq!(reasons(&short), [Reason::CutAtStart { missing: 4 }]);
-    // a record that begins within the contact has no rest level: the level of its first samples is
-    // used, which differs from the level at the end
+    // a record that begins within the contact has no rest before it: the level of its first samples
+    // differs from that at the end
     let late = hit(|_, _, _, _| {}).part(ONSET + 5..N).unwrap();
     let found = reasons(&late);
     assert!(

@@ -108,7 +108,7 @@ fn times_count_from_the_first() {
     assert_eq!(first, Some("2020-04-09T22:10:43.500000000Z"));
 }
 
-/// Cases that the files of npTDMS do not contain: the upper half of 64 bits, and a truth value
+/// Values that do not occur in the files of npTDMS: the upper half of 64 bits, and a truth value
 /// other than 1.
 #[test]
 fn the_ends_of_types_become_doubles() {

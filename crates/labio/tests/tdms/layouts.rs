@@ -10,7 +10,7 @@ fn segments_build_on_those_before() {
     let b = |raw_index: &[u8]| object("/'g'/'b'", raw_index, &[]);
     let file = [
         segment(USUAL, &[a(&numbers(2, 1))], &i16s(&[1])),
-        // no metadata
+        // no metadata: the same channel again
         segment(RAW, &[], &i16s(&[2])),
         // one more channel, after the existing one
         segment(METADATA | RAW, &[b(&numbers(2, 2))], &i16s(&[3, 10, 11])),
@@ -18,7 +18,7 @@ fn segments_build_on_those_before() {
         segment(METADATA | RAW, &[a(&numbers(2, 2))], &i16s(&[4, 5, 12, 13])),
         // the first channel without data
         segment(METADATA | RAW, &[a(&NO_DATA)], &i16s(&[14, 15])),
-        // a new list, in which an earlier index is still valid
+        // a new list of both channels, with the raw data index of the segment before
         segment(
             USUAL,
             &[b(&AS_BEFORE), a(&AS_BEFORE)],
@@ -119,7 +119,7 @@ fn daqmx_buffers_follow_each_other_in_a_chunk() {
 
 #[test]
 fn daqmx_digital_lines_are_bits() {
-    // type, buffer and offset in bits, then a format of one byte, then the scale
+    // type, buffer and offset in bits, a format of one byte, and the scale
     let line = |bit: u32| {
         [
             u32s(&[0x126a, u32::MAX, 1]),

@@ -129,7 +129,7 @@ fn two_scalers_of_a_channel_are_added_or_subtracted() {
         ];
         assert_eq!(scaled(&raw_index, &properties, &raw).unwrap(), expected);
     }
-    // a single scale, which is that of the scaler itself
+    // a single scale, which belongs to the scaler itself
     let one = daqmx(3, &[[5, 0, 0, 0]], &[4]);
     assert_eq!(
         scaled(&one, &[index("NI_Number_Of_Scales", 1)], &u32s(&[7, 8, 9])).unwrap(),

@@ -117,7 +117,7 @@ fn a_recording_that_was_cut_off_gives_what_is_there() {
         &objects,
         &[i16s(&[1, 2]), f64s(&[0.1]), i16s(&[3, 4])].concat(),
     );
-    // the length stated for a segment that was never finished
+    // the length of a segment that was being written when the recording was cut off
     file[12..20].fill(0xff);
     let error = strict(&file).unwrap_err().to_string();
     assert!(error.contains("the recording was cut off"), "{error}");
@@ -125,7 +125,7 @@ fn a_recording_that_was_cut_off_gives_what_is_there() {
     assert_eq!(contents.defects.len(), 1);
     let found: Vec<&[f64]> = contents.series.iter().map(values).collect();
     assert_eq!(found, [&[1.0, 2.0, 3.0, 4.0][..], &[0.1]]);
-    // without a partial chunk, this is not a defect
+    // if the last chunk is whole, there is no defect
     file.truncate(file.len() - 4);
     assert_eq!(
         all_values(&file),

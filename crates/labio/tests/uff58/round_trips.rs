@@ -159,7 +159,7 @@ proptest! {
         let read = only_series(&file);
         assert_same_text(&read, &series)?;
         prop_assert_eq!(read.ordinate.len(), series.ordinate.len());
-        // the values agree in all of their 13 or 6 written digits
+        // the values agree in all written digits, 13 or 6
         let digits = if single { 5 } else { 12 };
         let text = |series: &Series| match &series.ordinate {
             Ordinate::Real(values) => values.iter().map(|x| format!("{x:.digits$e}")).collect::<Vec<_>>(),

@@ -67,7 +67,7 @@ fn a_minus_one_inside_a_data_set_is_no_separator() {
         property(&series.properties, "uff58.response_node"),
         Some("-1")
     );
-    // an ID line that looks like a separator is still an ID line, because records are counted
+    // an ID line may look like a separator, because records are counted
     let file = file.replace("    -1 was the reading\n", "    -1\n");
     assert_eq!(only_series(file.as_bytes()).name, "-1");
 }
