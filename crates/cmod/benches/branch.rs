@@ -1,6 +1,6 @@
 //! Benchmark of the count of waves on 4096 lines with 5 % noise: for a free end, for a mass on the
-//! end, and for a band that begins at 3 kHz. The lower bound of the time is one complex logarithm
-//! per line, which gives the phase of the line without its count of waves.
+//! end, and for a band that begins at 3 kHz. The lower bound of the time is that of one complex
+//! logarithm per line, which gives the phase of the line up to whole waves.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

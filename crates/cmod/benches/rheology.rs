@@ -1,5 +1,5 @@
-//! Benchmark of fits: laws of five parameters to 200 points, a Prony series of chosen order to 206
-//! points, and master curves.
+//! Benchmark of fits: laws of five parameters to 200 points, a Prony series with order selection to
+//! 206 points, and master curves.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

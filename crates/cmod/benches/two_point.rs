@@ -1,6 +1,6 @@
 //! Benchmark of the two-point method on 4096 lines, with random errors and errors of the specimen,
-//! by continuation in the mass ratio and by the other solvers. The lower bound of the time is one
-//! evaluation of the hyperbolic functions per line.
+//! by continuation in the mass ratio and by the other solvers. The lower bound of the time is that
+//! of one evaluation of the hyperbolic functions per line.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

@@ -24,7 +24,7 @@ use testbed::noise::Noise;
 
 const FREQUENCY_HZ: f64 = 10e3;
 const VIRGIN_LOSS_FACTOR: f64 = 0.025;
-/// Standard error of a loss factor, 5 % of the virgin loss factor.
+/// Standard error of a loss factor: 5 % of the virgin loss factor.
 const STANDARD_ERROR: f64 = 1.25e-3;
 const TIMES: [f64; 12] = [
     60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1100.0, 1800.0, 3000.0, 5000.0, 9000.0, 18000.0,

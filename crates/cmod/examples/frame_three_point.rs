@@ -34,8 +34,8 @@ const LENGTH: f64 = 0.800;
 const TESTS: usize = 10;
 /// Error of one strain, relative to the root mean square of all strains on its line.
 const NOISE: f64 = 0.01;
-/// Positions of the gauges. The gauges of paper B are equidistant; the distance is our choice. Two
-/// more gauges remove the singular lines.
+/// Positions of the gauges. The gauges of paper B are equidistant at a distance that is our choice.
+/// The five gauges have no singular lines.
 const POSITIONS: [f64; 5] = [0.25, 0.29, 0.40, 0.48, 0.55];
 const EQUIDISTANT: [usize; 3] = [0, 2, 4];
 

@@ -36,7 +36,7 @@ const DENSITY: f64 = 903.0;
 const ACCELEROMETER: f64 = 2.9e-3;
 /// Distances of three strain gauges from the free end.
 const GAUGES: [f64; 3] = [0.5, 0.35, 0.22];
-/// Error of a spectrum, relative to its size.
+/// Error of a spectrum, relative to its magnitude.
 const NOISE: f64 = 2e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -169,7 +169,7 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    /// Adds a line, with an error without preferred phase.
+    /// Adds a line with a random error, which has no preferred phase.
     fn add(&mut self, value: Complex64, random: &mut Noise) {
         let noise = NOISE * value.norm();
         self.values.push(value + random.circular(noise * noise));

@@ -37,8 +37,8 @@ const SPECIMEN: Specimen = Specimen {
     density: 912.0,
     accelerometer_mass: 2.9e-3,
 };
-/// Standard uncertainties for errors that are uniformly distributed over half a unit of the last
-/// printed digit to either side.
+/// Standard uncertainties of values that are printed with few digits: uniform distributions over
+/// half a unit of the last digit to either side.
 const UNCERTAINTY: SpecimenUncertainty = SpecimenUncertainty {
     length: 0.29e-3,
     diameter: 0.029e-3,
@@ -146,8 +146,8 @@ fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<
     Ok(averager.spectra()?.h1("free end", "struck end")?)
 }
 
-/// Draws the exact material, the valid lines with their band, and the other lines in grey; `scale`
-/// converts from SI units to the axis.
+/// Draws the exact material as a curve, the valid lines with their band, and the other lines in
+/// grey; `scale` converts from SI units to the axis.
 fn panel(axis: Axis, curve: &Curve, scale: f64, exact: &dyn Fn(f64) -> f64) -> Panel {
     let mut marks = Vec::new();
     for segment in &curve.segments {

@@ -33,14 +33,14 @@ fn stated(estimate: &CausalEstimate, frequency_hz: f64) -> [f64; 2] {
 }
 
 /// Checks the coverage of the modulus, of the sizes of the sensor errors and of χ² for records
-/// whose sensors are wrong as stated. The errors are compared with the errors of the same lines
-/// alone, whose sensors are also calibrated.
+/// whose sensors are wrong as stated. The stated errors must also be smaller than those of the
+/// single lines of the same records, which are calibrated too.
 #[test]
 fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
     const RECORDS: u64 = 40;
     let ringing = Rod {
-        // an error of 1 % of the end mass is determined to a twentieth, and its effect is not
-        // linear to this accuracy
+        // no uncertainty of the end mass: the record would determine an error of 1 % to a
+        // twentieth, at which its effect is not linear
         uncertainty: SpecimenUncertainty {
             length: 5e-4,
             density: 2.5,
@@ -75,7 +75,7 @@ fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
                 shares.extend(pairs.map(|(own, line)| own / line));
             }
         }
-        // root mean square of 80 values; the limits are four of its standard deviations
+        // root mean square of 80 values; tolerance: four of its standard deviations
         let size = root_mean_square(&of_sizes);
         assert!((0.68..1.32).contains(&size), "{name}: {size}");
         // 68 and 95 % are expected; the errors of the lines of a record are correlated, so the
@@ -83,7 +83,7 @@ fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
         let coverage = [within(&z, 1.0), within(&z, 1.96)];
         assert!((0.58..0.80).contains(&coverage[0]), "{name}: {coverage:?}");
         assert!((0.88..0.998).contains(&coverage[1]), "{name}: {coverage:?}");
-        // the probability of more than seven of 40 is 0.1 %
+        // more than seven of 40 at a level of 5 % have a probability of 0.1 %
         assert!(contradictions <= 7, "{name}: {contradictions}");
         shares.sort_by(f64::total_cmp);
         assert!(
@@ -91,7 +91,7 @@ fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
             "{name}: {}",
             shares[shares.len() / 2]
         );
-        // errors from 300 draws scatter by 4 %
+        // tolerance: three standard deviations of 4 %, because the errors are from 300 draws
         assert!(
             shares[shares.len() - 1] < 1.12,
             "{name}: {}",
@@ -125,7 +125,7 @@ fn singular_lines_come_back() {
         let found = causal.at(line.frequency_hz).unwrap();
         let error = found.modulus - truth;
         let [storage, loss] = stated(&causal, line.frequency_hz);
-        // five standard errors of each of these lines alone exceed the limit of 100 % of the loss
+        // each of these lines alone is refused, because five of its standard errors exceed the loss
         // factor
         assert!(5.0 * loss < 0.2 * truth.im, "{}", line.frequency_hz);
         assert!(error.re.abs() < 4.0 * storage && error.im.abs() < 4.0 * loss);
@@ -142,7 +142,7 @@ fn data_that_contradict_causality_are_called_so() {
     assert!(causal(&record, &rod).p_value() > 0.01);
     let refuted = causal(&late, &rod);
     assert!(refuted.p_value() < 1e-6, "{}", refuted.p_value());
-    // the size of the delay shows the cause: twelve standard uncertainties
+    // the found size of the delay is twelve standard uncertainties and thus shows the cause
     assert!((refuted.sources()[1].size - 12.0).abs() < 0.1);
 
     let wavy = points(60, 1e6).into_iter().map(|point| {

@@ -146,7 +146,8 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     let tests = clean_tests();
     let mut claims = Claims::default();
     claims.by("tests without noise, computed by another solver");
-    // the finite difference for η has an error of 1e-6, and ln B changes 17 times as much as m
+    // tolerance: η in the generator is a finite difference with an error of 1e-6, and ln B changes
+    // 17 times as much as m
     let of_generator = Within(3e-6, "the viscosity in the generator has an error of 1e-6");
     let worst = |found: &ThreeElementParameters| {
         largest([
@@ -188,8 +189,8 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
         Within(5e-5, "the steps of the scan of m"),
         Ok(fit.parameters.exponent),
     );
-    // if the range excludes the right exponent, the result reports an exponent at the end of the
-    // range
+    // if the range excludes the right exponent, the result is an end of the range, and is reported
+    // as such
     let outside = paper_procedure(&tests, 1, 3100e6, (2.5, 5.0)).unwrap();
     assert!(outside.at_end_of_range);
     assert!(outside.others_chi_squared > 100.0 * fit.others_chi_squared.max(1e-6));
@@ -314,7 +315,7 @@ fn multiplying_both_springs_and_dividing_the_coefficient_changes_nothing() {
     assert!((b.parallel_modulus / a.parallel_modulus - 2.0).abs() < 1e-5);
     assert!((b.coefficient / a.coefficient - 0.5).abs() < 1e-4);
     assert!((b.exponent - a.exponent).abs() < 1e-5);
-    // an error of 2 % of E₁ is an error of 2 % of E₂, and of -2 % of B
+    // E₁ too large by 2 % makes E₂ too large by 2 % and B too small by 2 %
     let given = fit(3100e6, 62e6);
     let (with, without) = (given.covariance.unwrap(), one.covariance.unwrap());
     let added = |i: usize, j: usize| with[i][j] - without[i][j];
@@ -342,14 +343,13 @@ fn tails_of_all_tests_agree() {
     let mut squares = 0.0;
     let seeds = 400_u32;
     for seed in 0..u64::from(seeds) {
-        // Test 1 is used because it is best determined, so that the error of the logarithm is
-        // nearly normal
+        // Test 1 determines this logarithm best, so that its error is nearly normal
         let fit = SingleTestFit::new(&noisy_tests(seed, 5e-4, &clean)[0]).unwrap();
         squares += ((fit.tail / tail).ln() / fit.tail_error).powi(2);
     }
     let spread = (squares / f64::from(seeds)).sqrt();
-    // the root mean square of 400 normal deviates scatters by 3.5 %; the rest of the tolerance is
-    // for curvature
+    // tolerance: three standard deviations of 3.5 % for 400 normal deviates, and a margin for
+    // curvature
     assert!((spread - 1.0).abs() < 0.12, "{spread}");
 }
 
@@ -503,8 +503,8 @@ fn a_small_perturbation_sees_the_differential_modulus() {
     let strain = stress / TRUTH.series_modulus + spring / TRUTH.parallel_modulus;
     let seen = stress / strain;
     let modulus = recovery.complex_modulus(omega, 300.0);
-    // the third order of the perturbation, m(m-1)/8 (0.3 MPa/σ_d)², is below 1e-4 of the
-    // contribution of the dashpot, which is a hundredth
+    // tolerance: the third order of the perturbation, m(m-1)/8 (0.3 MPa/σ_d)², which is below 1e-4
+    // of the contribution of the dashpot; this contribution is a hundredth of the modulus
     let loss = (seen.im / seen.re) / (modulus.im / modulus.re) - 1.0;
     assert!(loss.abs() < 1e-4, "{loss} {resting}");
     assert!(
@@ -523,7 +523,7 @@ proptest! {
         stress in prop_oneof![-60e6..-1e6, 1e6..60e6],
         duration in 1.0..1e4_f64,
     ) {
-        // λt at the stress of the load is between 0.05 and 150
+        // λ times the duration is between 0.05 and 150 at the stress of the load
         let coefficient = log_relaxation.exp() / (duration * 13100.0 * f64::powf(f64::abs(stress), m));
         let model = ThreeElement::new(ThreeElementParameters {
             coefficient,
@@ -536,7 +536,7 @@ proptest! {
             .recovery(&LoadHistory::from_samples(&time, &[stress; 4]).unwrap())
             .unwrap();
         let difference = creep.initial_dashpot_stress() - sampled.initial_dashpot_stress();
-        // three segments with an error of 1e-9 each
+        // tolerance: an error of 1e-9 in each of three segments
         prop_assert!(difference.abs() < 3e-9 * stress.abs(), "{difference}");
         // the dashpot cannot store more stress than was applied, and its stress has the opposite
         // sign
@@ -549,8 +549,8 @@ proptest! {
     }
 }
 
-/// A dashpot that follows the load within 1e-9 of its duration cannot be integrated by an explicit
-/// formula; this is reported.
+/// A dashpot that follows the load within 1e-9 of the duration of the load cannot be integrated by
+/// an explicit formula, and the error states this.
 #[test]
 fn rates_that_cannot_be_integrated_are_told() {
     let model = ThreeElement::new(ThreeElementParameters {

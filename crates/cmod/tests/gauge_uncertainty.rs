@@ -116,7 +116,7 @@ fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
                 let shift = shift(right, ErrorSource::GaugePosition(gauge));
                 let (of_gamma, of_modulus) = (shift.propagation_coefficient, shift.modulus);
                 let moved = wrong.propagation_coefficient - right.propagation_coefficient;
-                // the change of second order is of the order of (OFF k)² γ, because there are no
+                // tolerance: the second order, which is about (OFF k)² γ because there are no
                 // singular lines here
                 let tolerance = 0.01 * of_gamma.norm() + 1e-7 * right.wave_number();
                 assert!(
@@ -164,7 +164,7 @@ fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
                 for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
                     let shift = shift(right, source);
                     let moved = wrong.modulus - right.modulus;
-                    // the change of second order, divided by the shift, is several times the error
+                    // tolerance: the second order, which is the shift times several times the error
                     let tolerance = 0.02 * shift.modulus.norm() + 1e-9 * right.modulus.norm();
                     assert!(
                         (moved - shift.modulus).norm() < tolerance,

@@ -19,8 +19,8 @@ fn constant(name: &str) -> f64 {
     golden::constant("paper_a_constants.ron", name).value
 }
 
-/// Largest relative differences of E' and of E'' between the series and the numerical solution,
-/// over the lines that fulfil (i), (ii) and (iii), and over the lines that also fulfil the
+/// Largest relative differences of E' and of E'' between the series and the numerical solution: over
+/// the lines that fulfil conditions (i), (ii) and (iii), and over those of them that also fulfil the
 /// criterion of one third.
 struct Differences {
     of_all: [f64; 2],
@@ -33,7 +33,7 @@ fn differences(specimen: Specimen) -> Differences {
         .map(|j| f64::from(j) * constant("frequency_highest") / 400.0)
         .collect();
     let mu = specimen.mass_ratio();
-    // equation 1, evaluated in the forward direction
+    // Ψ of equation 1 for the known γ
     let ratio: Vec<Complex64> = frequency_hz
         .iter()
         .map(|f| {
@@ -96,11 +96,11 @@ fn differences(specimen: Specimen) -> Differences {
 }
 
 /// Checks the statement "the approximate analytical solution and the numerical solution did not
-/// differ significantly ... when μ < 0.04", and that on the lines on which two terms and four terms
-/// agree within one third the series is accurate.
+/// differ significantly ... when μ < 0.04". Checks also that the series is accurate on the lines on
+/// which two terms and four terms agree within one third.
 #[test]
 fn the_series_is_good_below_the_printed_mass_ratio() {
-    // the terms that MassSeries compares
+    // `MassSeries` compares two and four terms, as the paper does
     for (name, terms) in [("series_terms_short", 2.0), ("series_terms_long", 4.0)] {
         assert!((constant(name) - terms).abs() < 1e-12);
     }
@@ -124,15 +124,15 @@ fn the_series_is_good_below_the_printed_mass_ratio() {
             row.label, found.of_all, found.of_accepted
         );
         if mu < highest {
-            // the scatter of E'' in figure 3 is more than a tenth
+            // tolerance: E'' scatters by more than a tenth in figure 3
             assert!(found.of_all[1] < 0.12, "{what}");
             light.push(found.of_all[0]);
         } else if mu > 2.0 * highest {
-            // well above the printed mass ratio, the error of the series exceeds one third ...
+            // well above the printed mass ratio, the error of the series exceeds one third
             assert!(found.of_all[1] > third, "{what}");
             heavy += 1;
         }
-        // ... and the criterion is effective: the accepted lines have errors far below one third
+        // on the lines accepted by the criterion of one third, the error is far below one third
         assert!(
             found.of_accepted[0] < 0.1 && found.of_accepted[1] < 0.1,
             "{what}"
@@ -158,7 +158,7 @@ fn the_series_is_good_below_the_printed_mass_ratio() {
     hold!(claims);
 }
 
-/// Returns the order of the error, from a chosen γL and the corresponding Ψ.
+/// Returns the order in the mass ratio of the error of a series, for one γL.
 fn order_of(terms: fn(&MassSeries, f64) -> Complex64) -> f64 {
     let x = Complex64::new(0.15, 2.2);
     let error = |mass_ratio: f64| {

@@ -54,11 +54,11 @@ fn recoveries() -> Vec<(String, Recovery)> {
         .collect()
 }
 
-/// Times after unloading. The changes of the loss factor below are in per cent of the virgin value.
-/// They were computed from paper C, eqs. 1 to 5, in decimal arithmetic of 50 digits, and rounded to
-/// the digits shown: (test, t_r, then the changes at the TIMES). The load of Test 6 was integrated
-/// in another language by the classical Runge-Kutta method with 160 steps per period; 80 steps give
-/// the same ten digits.
+/// Times after unloading for the columns of [`COMPUTED`], whose rows are: test, t_r, and the
+/// changes of the loss factor at these times in per cent of the virgin value. The changes were
+/// computed from paper C, eqs. 1 to 5, in decimal arithmetic of 50 digits and rounded. The load of
+/// Test 6 was integrated in another language by the classical Runge-Kutta method with 160 steps per
+/// period; 80 steps give the same ten digits.
 const TIMES: [f64; 8] = [0.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 18000.0];
 #[expect(clippy::approx_constant, reason = "a change of 3.1416 % is not pi")]
 const COMPUTED: [(&str, f64, [f64; 8]); 6] = [
@@ -173,7 +173,7 @@ fn the_modulus_is_slightly_reduced_and_increases() {
         if label == "1" {
             assert!((changes[1] + 1.7e-4).abs() < 0.05e-4, "{changes:?}");
         }
-        // |E*| of the complex number, with a rounding error of 1e-16 of E₁
+        // tolerance: a rounding error of 1e-16 of E₁ in the complex number
         let direct = recovery.complex_modulus(omega, 60.0).norm() / 3100e6 - 1.0;
         assert!((direct - changes[1]).abs() < 1e-14);
     }

@@ -115,9 +115,9 @@ fn each_theory_leaves_the_error_that_is_stated() {
             }
             let error = line.modulus.re / exact.re - 1.0;
             let remaining = correction.remaining_error;
-            // The stated error is valid for low losses and to the second term of a series in
-            // (πD/λ)²; at 3D its error is a quarter of its value. With the exact theory, which is
-            // solved in both directions, only rounding remains.
+            // tolerance: the stated error is that for low losses, to the second term of a series in
+            // (πD/λ)²; at 3D it is wrong by a quarter. The exact theory is both applied and
+            // removed, so that only rounding errors remain
             let tolerance = if theory == Theory::PochhammerChree {
                 1e-13
             } else {
@@ -216,8 +216,8 @@ fn errors_are_those_of_repeated_draws() {
     for (index, line) in stated.modulus().lines().iter().enumerate() {
         let root = |sum: f64| (sum / f64::from(repetitions)).sqrt();
         let systematic = line.systematic_error();
-        // The scatter of 1500 draws is 1.8 %; the tolerance is four times this value. The second
-        // order in δν/ν = 4 % is below 0.1 % of the variance.
+        // tolerance: four times the scatter of 1500 draws, 1.8 %. The second order in δν/ν = 4 % is
+        // below 0.1 % of the variance
         let ratio = root(of_nu[index][0]) / systematic.storage_modulus;
         assert!(
             (ratio - 1.0).abs() < 0.075,
@@ -234,14 +234,13 @@ fn errors_are_those_of_repeated_draws() {
         ];
         for (sum, expected) in of_noise[index].into_iter().zip(expected) {
             let ratio = root(sum) / expected;
-            // The tolerance is the same as above.
             assert!(
                 (ratio - 1.0).abs() < 0.075,
                 "noise, {} Hz: {ratio}",
                 line.frequency_hz
             );
         }
-        // The two errors are independent.
+        // the total error is the root sum of squares of two independent errors
         let total = random.storage_modulus.hypot(systematic.storage_modulus);
         assert!((line.standard_error.storage_modulus / total - 1.0).abs() < 1e-12);
     }
@@ -459,8 +458,8 @@ fn error_of_the_diameter_is_that_of_the_estimate_and_of_the_correction_together(
                 panic!("{of_diameter:?}");
             };
             let change = 0.5 * (larger.modulus - smaller.modulus);
-            // the third order is (δD/D)² = 1e-8 times up to 1e3 where the mass on the end matters
-            // most; the solutions are exact to some 1e-12
+            // tolerance: the third order, (δD/D)² = 1e-8 times up to 1e3 where the mass on the end
+            // matters most, and an error of the solutions of some 1e-12
             assert!(
                 (shift - change).norm() < 1e-4 * change.norm() + 1e-10 * line.modulus.norm(),
                 "{accelerometer_mass} kg, {} Hz: {shift:e}, {change:e}",

@@ -66,18 +66,18 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
     for (k, _, expected) in coordinates {
         let parameter = &fit.parameters[k];
         let found = coordinate(parameter.scale, parameter.value);
-        // the iteration of this crate ends where χ² changes by less than its rounding error, 1e-16
-        // times some hundred degrees of freedom; the root of this change is the distance from the
-        // minimum in standard errors
+        // tolerance: the iteration of this crate ends where χ² changes by less than its rounding
+        // error, 1e-16 times some hundred degrees of freedom. The root of this change is the
+        // distance from the minimum in standard errors
         let in_errors = (found - expected).abs() / expected_error(k);
         assert!(
             in_errors < 1e-5,
             "{case}, {}: {found} {expected}, {in_errors:e} standard errors",
             parameter.name
         );
-        // differences of eighth order with steps of 1e-3 have errors of 1e-10. The parameters may
-        // differ by 1e-5 standard errors, which are some 1e-3 of the parameters; this changes the
-        // standard errors by 1e-8
+        // tolerance: differences of eighth order with steps of 1e-3 have errors of 1e-10, and a
+        // change of the parameters by 1e-5 standard errors, which are some 1e-3 of the parameters,
+        // changes the standard errors by 1e-8
         let ratio = parameter.standard_error / expected_error(k) - 1.0;
         assert!(
             ratio.abs() < 1e-7,
@@ -95,9 +95,9 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
         );
     }
     let (_, _, chi_squared) = quantity(case, "chi squared")[0];
-    // χ² is stationary at the minimum: the tolerance is the square of the 1e-5 errors, and the
-    // rounding of 120 or more squares of residuals that are differences of numbers 1e3 times as
-    // large
+    // tolerance: χ² is stationary at the minimum, so that the 1e-5 errors enter as their square;
+    // 120 or more squared residuals are differences of numbers 1e3 times as large, and are rounded
+    // accordingly
     assert!(
         (fit.chi_squared / chi_squared - 1.0).abs() < 1e-12,
         "{case}: chi-squared {} {chi_squared}",
@@ -118,7 +118,8 @@ fn five_parameters_are_lmfits() {
     compare(case, &fit, 5);
 }
 
-/// Fits a Prony series of three branches and a spring, from values that are half as large again.
+/// Fits a Prony series of three branches and a spring, from values that differ from
+/// the true ones by up to a half.
 #[test]
 fn a_prony_series_is_lmfits() {
     let case = "prony";
@@ -131,7 +132,7 @@ fn a_prony_series_is_lmfits() {
     )
     .unwrap();
     compare(case, &fit, 7);
-    // the order that is chosen from the data is the order of the reference, with the same minimum
+    // the order found from the data is that of the reference, with the same minimum
     let chosen = RheologicalFit::new(
         &data(case),
         Law::GeneralisedMaxwell,

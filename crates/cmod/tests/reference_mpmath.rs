@@ -37,13 +37,13 @@ fn case(name: &str) -> Case {
     }
 }
 
-/// Inverts cosh γL + μγL sinh γL = Ψ to γ and E: equation 1 of paper A, between 0.3 and 12 kHz,
-/// where waves must be counted.
+/// Inverts equation 1 of paper A, cosh γL + μγL sinh γL = Ψ, to γ and E on lines from 0.3 to 12
+/// kHz, where waves must be counted.
 #[test]
 fn moduli_come_back_from_ratios_of_fifty_digits() {
     for name in ["Test 2", "Test 6", "Test 9", "no mass"] {
         let case = case(name);
-        // with a relative variance of 1e-12 no line is refused for a random error of zero
+        // a variance above 0, because lines with a random error of zero are refused
         let variance: Vec<f64> = case
             .ratio
             .iter()
@@ -60,8 +60,8 @@ fn moduli_come_back_from_ratios_of_fifty_digits() {
                 .iter()
                 .position(|f| (f - line.frequency_hz).abs() < 1e-9)
                 .unwrap();
-            // dE/E = -2 dx/x, dx = dΨ/f'(x), with Ψ rounded to a double: this is the inherent error
-            // of equation 1; ten further roundings are allowed
+            // tolerance: the rounding of Ψ to a double and ten further roundings, with dE/E = -2
+            // dx/x and dx = dΨ/f'(x) of equation 1
             let omega = std::f64::consts::TAU * line.frequency_hz;
             let expected = case.modulus[index];
             let x = Complex64::new(0.0, omega)

@@ -267,7 +267,7 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
         }
         for z in &of_sizes {
             let mean = z.iter().sum::<f64>() / z.len() as f64;
-            // mean of 40 values; the limit is four of its standard deviations
+            // mean of 40 values; tolerance: four of its standard deviations
             assert!(mean.abs() < 0.64, "{name}: mean {mean}");
             let size = root_mean_square(z);
             assert!((0.55..1.45).contains(&size), "{name}: {size}");
@@ -340,7 +340,7 @@ fn an_error_of_a_ratio_moves_a_line_by_its_shift() {
             let mut shifts = right.uncertainty.systematic.iter();
             let shift = shifts.find(|shift| shift.source == error.source()).unwrap();
             let moved = wrong.modulus - right.modulus;
-            // the second order is the error times the amplification
+            // tolerance: the second order, which is the shift times the amplified error
             assert!((moved - shift.modulus).norm() < 1e-3 * shift.modulus.norm());
         }
     }
@@ -451,7 +451,7 @@ fn errors_of_gauges_are_found_within_their_errors() {
             of_modulus[1].extend(STIFF.z_of_causal(&causal));
         }
         for (of_sizes, of_modulus) in of_sizes.iter().zip(&of_modulus) {
-            // 120 and 200 values, which are correlated within a record
+            // wide tolerances: 120 sizes and 200 moduli, which are correlated within a record
             let size = root_mean_square(of_sizes);
             let coverage = [within(of_modulus, 1.0), within(of_modulus, 1.96)];
             assert!((0.75..1.3).contains(&size), "{n} gauges: {size}");
@@ -521,12 +521,12 @@ fn a_loss_factor_that_is_only_noise_is_not_valid() {
         let judged = estimate.judged_by_neighbours().unwrap();
         left += judged.valid().filter(high).count();
     }
-    // some of these lines remain, because the mean of sixteen lines also has noise
+    // some of these lines remain valid, because the mean of their sixteen neighbours has noise too
     assert!(
         by_chance >= 100 && left * 10 < by_chance,
         "{left} of {by_chance}"
     );
-    // all lines of a rod whose loss factor is measured remain valid
+    // if the loss factor is well determined, all lines remain valid
     let record = STIFF.record(0.0, 0.0, &mut Noise::seeded(3));
     let estimate = record.used(&STIFF, |method, lines| {
         method.estimate_ratio(lines).unwrap()

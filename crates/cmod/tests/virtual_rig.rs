@@ -1,5 +1,6 @@
-//! The tests of papers A and B as in a laboratory: exact histories at the sensors, anti-alias
-//! filter, noise, converter, ten hits, averaged spectra, modulus. The true values are known.
+//! The tests of papers A and B simulated with all steps of a laboratory: exact histories at the
+//! sensors, anti-alias filter, noise, converter, ten hits, averaged spectra and modulus. The true
+//! values are known.
 
 pub(crate) mod coverage;
 mod paper_a;

@@ -77,8 +77,8 @@ fn error_of<L: PropagationLaw>(name: &str, medium: &Medium<L>, specimen: Specime
     for line in found.lines() {
         let omega = TAU * line.frequency_hz;
         let error = relative(line.modulus, medium.modulus(omega));
-        // The error of the integration is 3e-12 per radian, and rounding is 1e-13, both relative to
-        // the largest velocity in the rod; the errors are amplified.
+        // tolerance: 3e-12 per radian for the integration and 1e-13 for rounding, both relative to
+        // the largest velocity in the rod, and amplified
         let phase = line.propagation_coefficient.norm() * specimen.length;
         let largest = (line.propagation_coefficient.re * specimen.length).exp()
             * (1.0 + specimen.mass_ratio() * phase);

@@ -98,7 +98,7 @@ fn a_known_branch_decides() {
         .with_branch(clean.frequency_hz[10], branch, clean.rod.length)
         .unwrap();
     assert_counted(&measured.tracked(&tracker, &clean), &clean, 0);
-    // wave number known slightly below the band, for example from a resonance
+    // the wave number at a frequency slightly below the band, for example from a resonance
     let k = flat(clean.rod.density, 0.02).wave_number(TAU * 16_800.0);
     let tracker = BranchTracker::new()
         .with_wave_number(16_800.0, k, 0.01 * k)
@@ -166,7 +166,7 @@ fn the_phase_of_a_travelling_wave_is_unwrapped() {
         .rod(&medium, section, 1.0)
         .end(Termination::semi_infinite(&medium, section))
         .unwrap();
-    // the lines begin in the third wave
+    // the first line has more than two waves over this distance
     let frequency_hz: Vec<f64> = (0..400).map(|j| 6_000.0 + 20.0 * f64::from(j)).collect();
     let observed = frequency_hz.iter().map(|f| {
         let velocity = |x: f64| {

@@ -71,7 +71,7 @@ fn records_of_any_loss() {
     }
 }
 
-/// Checks that the noise need not be stated.
+/// Checks that waves are counted correctly if the noise is not stated, or is stated too small.
 #[test]
 fn noise_that_is_not_told_is_found() {
     for (index, rod) in rods_of_paper_a().into_iter().enumerate() {
@@ -81,7 +81,7 @@ fn noise_that_is_not_told_is_found() {
         for seed in 1..=5 {
             let measured = clean.measured(0.05, 0.2, seed);
             let mut record = measured.record(&clean, &observation);
-            // the stated noise is a fiftieth of the true noise, or there is no stated noise
+            // a stated noise of 1e-3, a fiftieth of the true noise, or no stated noise
             let told: Vec<f64> = measured.variance.iter().map(|v| v / 2500.0).collect();
             for variance in [None, Some(&told[..])] {
                 record.variance = variance;
@@ -94,7 +94,8 @@ fn noise_that_is_not_told_is_found() {
                 let doubted = observed.filter(|(line, _)| is_doubted(line)).count();
                 assert!(doubted < 200, "{label}: {doubted}");
                 if variance.is_some() {
-                    // the lower limit of the noise, 1e-4, is a tenth of the stated noise
+                    // the noise is found as about fifty times the stated noise; the lower limit of
+                    // 1e-4 on the noise has no effect
                     let factor = tracked.noise_factor;
                     assert!((30.0..70.0).contains(&factor), "{factor}");
                 }

@@ -1,4 +1,5 @@
-//! A stated confidence of p means that the fraction p of the lines is right.
+//! Calibration of the confidence of lines: of the lines with a confidence of p, the fraction p is
+//! right.
 
 use std::f64::consts::TAU;
 
@@ -9,10 +10,10 @@ use rand_chacha::ChaCha8Rng;
 use super::rig::{ACCELEROMETER, Clean, Rod, is_right};
 use crate::materials::flat;
 
-/// Confidences that separate the bins, for lines with a confidence of 0.5 or more.
+/// Lower limits of the bins in which lines with a confidence of 0.5 or more are counted.
 const EDGES: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 0.99];
 
-/// Lines with confidences between two successive edges.
+/// Lines with a confidence in one bin, and sums over them.
 #[derive(Default, Clone, Copy)]
 struct Bin {
     count: f64,
@@ -28,7 +29,8 @@ struct Reliability {
 
 impl Reliability {
     /// Checks that each bin has more than `least` lines, and that the fraction of right lines
-    /// differs from the stated one by less than three standard errors of a fraction and a margin.
+    /// differs from the mean stated confidence by at most three standard errors plus the margin
+    /// `below` or `above`.
     fn check(&self, least: f64, below: f64, above: f64) {
         for (edge, bin) in EDGES.iter().zip(&self.bins) {
             let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
@@ -61,7 +63,7 @@ fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliabil
             accelerometer: ACCELEROMETER,
         };
         let medium = flat(rod.density, between(0.005, 0.05));
-        // c is about 1600 m/s
+        // steps of kL, with c = 1600 m/s
         let step = between(advance.0, advance.1) * 1600.0 / (TAU * rod.length);
         let noise = between(0.01, 0.1);
         let missing = between(0.05, most_missing);
@@ -95,16 +97,18 @@ fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliabil
 #[test]
 fn of_lines_with_confidence_p_a_share_p_is_right() {
     let found = reliability((0.01, 0.05), 0.3, 600);
-    // The filter allows the smooth curve of any material more variation than these materials have.
+    // margins: the filter allows the modulus to vary more with frequency than it does in these
+    // materials
     found.check(200.0, 0.05, 0.05);
-    // The number of wrong lines among all lines must equal the sum of their probabilities of being
-    // wrong.
+    // ratio of the number of wrong lines to the sum of the probabilities of being wrong, over all
+    // lines
     let ratio = found.wrong / found.expected_wrong;
     assert!((0.6..1.2).contains(&ratio), "{ratio}");
 }
 
-/// Lines that are far apart are smoothed only by the assumed variation of the slope, which is
-/// larger than in these materials. Their confidence may be stated too low, but never too high.
+/// Confidences of lines that are far apart may be stated too low, but never too high: such lines
+/// are smoothed only by the assumed variation of the slope, which is larger than that of these
+/// materials.
 #[test]
 fn lines_far_apart_are_not_trusted_too_much() {
     let found = reliability((0.05, 0.4), 0.5, 400);

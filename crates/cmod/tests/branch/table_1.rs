@@ -12,7 +12,7 @@ use super::rig::{Clean, rods_of_paper_a};
 use crate::golden::golden;
 use crate::materials::flat;
 
-/// Compares with the integers of paper B, table 1, which are the same.
+/// Compares with the integers of paper B, table 1, which equal those of paper A.
 #[test]
 fn every_quarter_turn_has_its_integers() {
     let rows = golden("paper_a_table_1_branches.ron");
@@ -99,7 +99,7 @@ fn small_damping(j: u32) -> f64 {
     if angle.sin().abs() < 0.1 {
         return 0.0;
     }
-    // cosh and sinh of 1e-6 to all digits
+    // for 1e-6, cosh is 1 + x²/2 and sinh is x to all digits of a double
     let ratio = Complex64::new(
         (1.0 + 0.5 * damping * damping) * angle.cos(),
         damping * angle.sin(),

@@ -1,4 +1,4 @@
-//! Roots to which Newton's iteration as printed (paper A, eq. 5) converges, and roots from
+//! Roots found by Newton's iteration as printed (paper A, eq. 5), compared with roots found by
 //! continuation. The rod is 800 mm of polyamide 6 with a fifth of its loss and μ = 0.036; the 1572
 //! lines are between 362 Hz and 20 kHz.
 
@@ -48,7 +48,7 @@ fn moved_by_noise(exact: Complex64, mass_ratio: f64, observed: Complex64) -> Com
 
 /// Counts of a solver on 1572 lines.
 struct Roots {
-    /// Number of wrong roots, including lost lines.
+    /// Number of wrong roots, including those of refused lines.
     wrong: usize,
     valid: usize,
     wrong_and_valid: usize,

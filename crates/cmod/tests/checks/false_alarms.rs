@@ -4,7 +4,7 @@ use rodwave::modulus::Elastic;
 
 use super::*;
 
-/// Checks that the passivity of a material with losses within their errors is undecided.
+/// Checks that the passivity of a wave without losses is undecided as often as chance predicts.
 #[test]
 fn losses_that_are_not_seen_are_undecided() {
     let undecided = (0..40)
@@ -13,8 +13,8 @@ fn losses_that_are_not_seen_are_undecided() {
             outcome.verdict == CheckVerdict::Undecided
         })
         .count();
-    // |z| < 1 of the pooled losses has the probability 68 %; the tolerance is four standard
-    // deviations for 40 records.
+    // the pooled loss is within one standard error in 68 % of 40 records; tolerance: four standard
+    // deviations
     assert!(undecided.abs_diff(27) <= 12, "{undecided}");
 }
 
@@ -67,7 +67,8 @@ fn false_alarms_come_at_the_stated_level() {
     assert_rate("free-end null", alarms);
 
     for persistence in [0.0, 0.8] {
-        // The records differ in their noise only; samples after the wave have no effect.
+        // the histories contain noise only, because samples after the arrival of the wave have no
+        // effect
         let alarms = (0..400)
             .filter(|_| {
                 let silence: Vec<Vec<f64>> = (0..3)
@@ -97,9 +98,9 @@ fn kramers_and_kronig_cry_wolf_less_often_than_stated() {
         alarms += usize::from(outcome.has_failed());
         sum += outcome.statistic;
     }
-    // P(more than 8 of 60 at 5 %) is 0.5 %.
+    // more than 8 of 60 alarms at a level of 5 % have a probability of 0.5 %
     assert!(alarms <= 8, "{alarms}");
-    // For some hundred lines the mean is 1, less the part that a dozen parameters absorb, less half
-    // of the relative scatter 1/√(2n).
+    // the root mean square residual of some hundred lines is 1, less the part that a dozen
+    // parameters absorb, less half of its relative scatter 1/√(2n)
     assert!((sum / 60.0 - 0.97).abs() < 0.06, "{}", sum / 60.0);
 }

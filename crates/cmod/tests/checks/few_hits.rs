@@ -190,11 +190,11 @@ fn r14_kramers_and_kronig_alarm_at_their_level() {
     });
     let (mean, below, seen) = case("3 gauges", &|random, loss| of_gauges(random, loss));
     assert_eq!(seen, 10, "a doubled loss");
-    // mean of 150 values with a standard deviation of 0.04 each; the limit is four of its standard
-    // deviations
+    // mean of 150 values with a standard deviation of 0.04 each; tolerance: four standard
+    // deviations of the mean
     let mean = (few.iter().map(|(mean, ..)| mean).sum::<f64>() + mean) / 5.0;
     assert!((mean - 1.0).abs() < 0.013, "{mean}");
-    // 5 % of 150, and four standard deviations more
+    // at most 5 % of 150 plus four standard deviations
     let below = few.iter().map(|(_, below, _)| below).sum::<u32>() + below;
     assert!(u64::from(below) * 25 <= 3 * 5 * seeds, "{below}");
 }

@@ -182,7 +182,8 @@ fn laws_of_moduli() {
     findings.none();
 }
 
-/// Checks points whose correlation is 1 except for rounding; they have no weight.
+/// Checks that points whose E' and E'' are correlated completely, up to rounding, do not make χ²
+/// infinite.
 #[test]
 fn points_that_are_all_but_correlated() {
     let mut accepted = 0;
@@ -216,7 +217,7 @@ fn card(a: &[f64]) -> Numbers {
         modulus: a[3],
         relaxation_time: a[4],
     }];
-    // skipped if there is no such law
+    // arguments that no law accepts are skipped
     let Ok(law) = GeneralisedMaxwell::new(a[2], branches) else {
         return Ok(Vec::new());
     };

@@ -84,8 +84,8 @@ fn estimated(specimen: &Specimen) -> ModulusEstimate {
         .unwrap()
 }
 
-/// Checks that most lines have a certain branch, and that the modulus of these lines is that of the
-/// specimen, within a rounding error of Ψ of about 1e-16, amplified like relative errors.
+/// Checks that at least `fewest` lines are valid, and that their modulus is that of the specimen;
+/// tolerance: rounding errors of Ψ of some 1e-16, amplified like relative errors.
 fn is_modulus_of(estimate: &ModulusEstimate, specimen: &Specimen, fewest: usize) {
     let valid: Vec<_> = estimate.valid().collect();
     assert!(
@@ -110,9 +110,9 @@ proptest! {
     #[test]
     fn accelerations_of_two_points(specimen in any_specimen()) {
         let estimate = estimated(&specimen);
-        // below 2/5 half waves the wave is longer than five specimens
+        // lines below 2/5 half waves are not valid, because the wave is longer than five specimens
         is_modulus_of(&estimate, &specimen, LINES / 2);
-        // the count of waves never decreases, and kL only increases
+        // kL increases from line to line
         let mut before = 0.0;
         for line in estimate.lines() {
             let phase = line.wave_number() * specimen.length;
@@ -177,8 +177,8 @@ fn all_but_lossless_and_all_but_fluid() {
             .iter()
             .map(|f| strain_of_two_waves(specimen.gamma(*f), 0.4, Complex64::ZERO))
             .collect();
-        // wave reflected by the free end divided by the wave that arrived: the path there and back;
-        // strains change sign
+        // ratio of the reflected wave to the arriving wave at the gauge, 0.4 m before the free end:
+        // the waves travel 0.8 m, and the strain changes its sign
         let reflected: Vec<Complex64> = frequency_hz
             .iter()
             .map(|f| -strain_of_two_waves(specimen.gamma(*f), 0.8, Complex64::ZERO))
@@ -209,8 +209,8 @@ fn all_but_lossless_and_all_but_fluid() {
             for line in estimate.valid() {
                 let storage = (line.modulus.re / specimen.modulus - 1.0).abs();
                 let loss = (line.loss_factor / specimen.loss_factor - 1.0).abs();
-                // a rounding error of Ψ changes E by 1e-16 of E, amplified, in any direction;
-                // relative to tan δ the change is larger by 1/tan δ
+                // tolerance: a rounding error of Ψ changes E, amplified, by some 1e-16 of |E| in
+                // any direction, and hence tan δ by a part larger by 1/tan δ
                 let roundings = if method == 3 { 1e-14 } else { 1e-15 };
                 let rounding = roundings * (10.0 + line.error_amplification);
                 let seen = rounding * (1.0 + specimen.loss_factor + specimen.loss_factor.recip());
@@ -223,7 +223,7 @@ fn all_but_lossless_and_all_but_fluid() {
                     "method {method}, tan δ 1e{exponent}: {loss:e}"
                 );
             }
-            // with one gauge, fewer lines have wavelengths below five distances
+            // not for one gauge, for which few lines have wavelengths below five distances
             if (-6..=-1).contains(&exponent) && method < 3 {
                 let valid = estimate.valid().count();
                 assert!(

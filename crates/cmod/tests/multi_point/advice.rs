@@ -15,8 +15,8 @@ const THREE_EQUAL: [f64; 3] = [-0.1, 0.0, 0.1];
 const THREE_UNEQUAL: [f64; 3] = [-0.1, -0.03, 0.1];
 const FIVE_EQUAL: [f64; 5] = [-0.1, -0.05, 0.0, 0.05, 0.1];
 
-/// Returns the median of the relative deviation over 0.5-20 kHz, the fraction of the lines below 1
-/// %, and the deviation at ka = 0.987 π.
+/// Returns the median of the relative deviation over 0.5-20 kHz, the fraction of the lines with a
+/// deviation below 1 %, and the deviation at ka = 0.987 π.
 fn summary(positions: &[f64]) -> (f64, f64, f64) {
     let medium = polypropylene();
     let waves = ExpectedWaves {
@@ -51,8 +51,8 @@ fn plans_of_positions() {
     hold!(claims);
 }
 
-/// The material and the reflected wave of the independent computation are not stated. Therefore its
-/// digits are not compared; with waves of our own, its order of magnitude is compared.
+/// Compares with an independent computation, whose material and reflected wave are not stated: with
+/// other waves, only the order of magnitude can agree.
 fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
     let [equal, unequal, five] = [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL].map(summary);
     claims.by("errors of sets of positions over 0.2 m, computed separately for 1 % of noise (the material and the reflection of this computation are not stated)");

@@ -18,12 +18,12 @@ use super::frame::{
 
 const SEEDS: u64 = 200;
 
-/// Standard errors within which errors are counted.
+/// Factors of the standard error within which errors are counted.
 const FACTORS: [f64; 2] = [1.0, 2.0];
-/// Fractions of normal errors within [`FACTORS`], with tolerances above the sampling error of 5000
-/// and more, 0.7 %.
+/// Fractions of normal errors within [`FACTORS`], with tolerances above the sampling error, which
+/// is at most 0.7 % for 5000 values or more.
 const USUAL: [(f64, f64); 2] = [(0.683, 0.05), (0.9545, 0.02)];
-/// Tolerances for some 25 000 values, which scatter by 0.3 % and 0.13 %: four times each.
+/// Fractions with tolerances for some 25 000 values: four times their scatter of 0.3 % and 0.13 %.
 const OF_25_000: [(f64, f64); 2] = [(0.683, 0.012), (0.9545, 0.0055)];
 
 fn add(coverage: &mut Coverage, line: &ModulusLine) {
@@ -85,7 +85,7 @@ fn least_squares_state_their_errors() {
         }
         // 15 200 lines with 4 degrees of freedom each: the mean has a standard error of 0.6 %
         assert!((chi_square / freedom - 1.0).abs() < 0.024);
-        // one line in a thousand: 15 ± 4
+        // about 15 lines, one in a thousand, are expected by chance
         assert!(misfits < 0.003 * lines, "{misfits} of {lines}");
     }
 }

@@ -103,7 +103,7 @@ fn tests_on_different_structures_are_evaluated_together() {
         .collect();
     for (index, fit) in joint.fits().iter().enumerate() {
         assert_eq!(fit.degrees_of_freedom, 4); // 2 (3 · 1 - 1)
-        // the information of the tests adds up
+        // the inverse variances of the tests add up
         let sum: f64 = single
             .iter()
             .map(|single| single.fits()[index].propagation_variance.recip())
@@ -121,7 +121,7 @@ fn three_equal_distances_are_the_closed_form() {
     for structure in STRUCTURES {
         let strains = strains(structure, &positions, &frequency_hz);
         let tests: [&[Vec<Complex64>]; 1] = [&strains];
-        // unequal noise: whitening and the propagation of three variances must agree
+        // different noise at each gauge
         let noise = flat(&[1e-9, 3e-9, 0.5e-9], 150);
         let spectra = clean(&frequency_hz, &tests, &noise);
         let closed = ThreePoint::new(rod(&positions)).unwrap();
@@ -132,8 +132,7 @@ fn three_equal_distances_are_the_closed_form() {
             let difference = a.propagation_coefficient - b.propagation_coefficient;
             assert!(difference.norm() < 1e-9 * a.propagation_coefficient.norm());
             let ratio = a.standard_error.storage_modulus / b.standard_error.storage_modulus;
-            // the tolerance is 1e-5, because the problem is ill-conditioned near nodes of the
-            // middle gauge
+            // tolerance: the problem is ill-conditioned near nodes of the middle gauge
             assert!((ratio - 1.0).abs() < 1e-5, "{} Hz: {ratio}", a.frequency_hz);
         }
         for fit in squares.fits() {
@@ -207,8 +206,8 @@ proptest! {
         prop_assert_eq!(result.modulus().lines().len(), 120);
         let mut wrong = 0;
         for line in result.modulus().lines() {
-            // 1e-12 of the generator, amplified as a relative error of the gauges; dE/E is twice
-            // dγ/γ
+            // tolerance: errors of 1e-12 in the generated strains, amplified as relative errors of
+            // the gauges; dE/E is twice dγ/γ
             if error(line) > 1e-11 * (1.0 + line.error_amplification) {
                 prop_assert!(!line.validity.is_valid(), "{} Hz: {:e}", line.frequency_hz, error(line));
                 wrong += 1;

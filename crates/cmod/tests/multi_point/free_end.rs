@@ -281,9 +281,9 @@ fn one_shot_on_a_ringing_bar_is_covered() {
         }
     }
     assert!(count > 2500.0, "{count} lines");
-    // neighbouring lines share their noise, some 12 at a time, so 40 shots have 300 independent
-    // values, which scatter by 2.7 and 1.3 %; the tolerance is three times each. At the lower end
-    // of the band the stated errors are too large
+    // tolerance: three standard deviations, 2.7 % and 1.3 % for 300 independent values, because
+    // some 12 neighbouring lines of each of the 40 shots share their noise; at the lower end of the
+    // band the stated errors are too large
     for [one, two] in within {
         assert!((0.60..0.80).contains(&(one / count)), "{}", one / count);
         assert!((0.91..0.99).contains(&(two / count)), "{}", two / count);

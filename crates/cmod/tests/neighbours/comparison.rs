@@ -180,7 +180,7 @@ fn deviations(name: &str, least_count: usize, estimate: &ModulusEstimate) -> (f6
             ]
         })
         .collect();
-    // The limit is exceeded once in 1e5 for a normal variable.
+    // a normal variable exceeds this limit with a probability of 1e-5
     let largest = largest(deviations.iter().copied());
     assert!(largest < 4.4, "{name}: {largest}");
     let n = deviations.len() as f64;
@@ -192,8 +192,7 @@ fn deviations(name: &str, least_count: usize, estimate: &ModulusEstimate) -> (f6
 
 fn assert_within_stated_errors(name: &str, least_count: usize, estimate: &ModulusEstimate) {
     let (root_mean_square, n) = deviations(name, least_count, estimate);
-    // The tolerance is four standard deviations of a root mean square of n values; the lines share
-    // no noise.
+    // tolerance: four standard deviations of the root mean square of n independent values
     assert!(
         (root_mean_square - 1.0).abs() < 4.0 / (2.0 * n).sqrt(),
         "{name}: {root_mean_square}"
@@ -201,8 +200,7 @@ fn assert_within_stated_errors(name: &str, least_count: usize, estimate: &Modulu
 }
 
 /// Checks estimates from pulses that are cut out. The error due to the cut has the stated size, but
-/// its phase turns with frequency: the root mean square is taken over few turns only, and may
-/// differ from 1.
+/// its phase turns slowly with frequency: the root mean square over few turns may differ from 1.
 fn assert_not_beyond_stated_errors(name: &str, least_count: usize, estimate: &ModulusEstimate) {
     let (root_mean_square, _) = deviations(name, least_count, estimate);
     assert!(

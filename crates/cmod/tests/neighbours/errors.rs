@@ -58,8 +58,7 @@ fn assert_scatter(
     }
     for (line, sums) in sums.into_iter().enumerate() {
         for [found, expected] in sums {
-            // a root mean square of n values scatters by 1/√(2n); the tolerance is four times this
-            // value
+            // tolerance: four times the scatter of a root mean square of n values, 1/√(2n)
             let ratio = f64::sqrt(found / expected);
             let tolerance = 4.0 / f64::from(2 * repetitions).sqrt();
             assert!(
@@ -114,8 +113,8 @@ fn valid_lines_are_on_their_branch_whatever_the_noise() {
             for line in estimate.valid() {
                 kept += 1;
                 let exact = medium.propagation_coefficient(TAU * line.frequency_hz);
-                // Another branch is more than a quarter wave of the longest distance, 0.6 m, away;
-                // errors due to noise are smaller.
+                // on another branch γ times the longest distance, 0.6 m, would be wrong by π/2 or
+                // more; errors due to noise are smaller
                 let away = (line.propagation_coefficient - exact).norm() * 0.6;
                 assert!(
                     away < 0.8,
@@ -124,8 +123,8 @@ fn valid_lines_are_on_their_branch_whatever_the_noise() {
                 );
             }
         }
-        // A fifth of 6000 lines is missing, and some lines near singular lines or below condition
-        // (ii) are not valid.
+        // of 6000 lines a fifth is missing, and lines near singular lines or below condition (ii)
+        // are not valid
         assert!(kept > 2000, "{name}: {kept}");
     }
 }

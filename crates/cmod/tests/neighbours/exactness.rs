@@ -128,7 +128,8 @@ fn every_method_finds_the_modulus_of_a_rod_without_noise() {
         claims.by(source);
         claims.deviation(
             format!("{name}, three materials and end masses: modulus, 25 Hz to 15 kHz, relative to the amplification"),
-            // each of two quantities is rounded by a few 1e-15 of the larger of its two waves, which may be ten times as large as the sum
+            // tolerance: each of two quantities has an error of a few 1e-15 of the larger of its
+            // two waves, which may be ten times as large as the quantity
             Within(1e-12, "rounding of the chain: differences of waves"),
             Ok(largest(found.map(|worst| worst[method]))),
         );
@@ -195,9 +196,9 @@ fn resonances(claims: &mut Claims) {
     claims.by("resonances: the real part of the ratio of the ends changes its sign");
     claims.deviation(
         "modulus at the n-th resonance up to 7.5 kHz, n times the error, three end masses",
-        // The error is 0.3⁴/192 = 4.2e-5 of kL, times 2/kL, without a mass on the end. The mass μ
-        // multiplies the fourth derivative by 1 + μ(4 + kL), and the first derivative increases
-        // equally.
+        // tolerance: without a mass on the end the error is 0.3⁴/192 = 4.2e-5 of kL, times 2/kL.
+        // The mass μ multiplies the fourth derivative by 1 + μ(4 + kL), and increases the first
+        // derivative equally
         Within(
             6e-5,
             "a polynomial of third degree over 0.3 rad, 0.3^4/192, and the mass",

@@ -100,11 +100,11 @@ fn r14_resonances_have_the_degrees_of_freedom_of_their_lines() {
     let [few, known] = estimate(&lines(800, 10.0), |gamma| (0.8 * gamma).cosh(), &method);
     assert!(known.lines().len() >= 6);
     for (line, certain) in few.lines().iter().zip(known.lines()) {
-        // there are some 10 lines within 0.3 rad of kL on either side
+        // each resonance uses some 10 lines, those within 0.3 rad of kL on either side
         let freedom = line.uncertainty.degrees_of_freedom.unwrap();
         assert!((8.0..80.0).contains(&freedom), "{freedom}");
-        // estimated variances give all lines equal weights, although their errors are fractions of
-        // Ψ; with known variances the weights are the best ones
+        // the error is larger than with known variances: lines with estimated variances have equal
+        // weights, although their errors are fractions of Ψ
         let quotient = line.standard_error.storage_modulus / certain.standard_error.storage_modulus;
         assert!((0.99..3.0).contains(&quotient), "{quotient}");
     }
@@ -170,7 +170,7 @@ fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
             .map(|f| (-0.4 * gamma(*f)).exp())
             .collect();
         let variance = vec![1e-8; ratio.len()];
-        // the centre of energy is known to a sixth of the record
+        // the delay may be wrong by 15 %
         for error in [-0.15, 0.0, 0.15] {
             let method = SeparatePulses::new(PULSED).unwrap();
             let method = method.with_limits(one_dimensional).unwrap();

@@ -30,8 +30,8 @@ fn systematic_errors_are_those_of_wrong_descriptions() {
             let expected = [stated.storage_modulus, stated.loss_modulus];
             for (sum, expected) in squares.into_iter().zip(expected) {
                 let found = (sum / f64::from(repetitions)).sqrt();
-                // The scatter of 500 draws is 3.2 %; the tolerance is four times this value. The
-                // second order of errors of some per mille is smaller.
+                // tolerance: four times the scatter of 500 draws, 3.2 %; the second order of errors
+                // of some per mille is smaller
                 assert!(
                     (found / expected - 1.0).abs() < 0.128,
                     "{name}, {} Hz: {found:e} instead of {expected:e}",

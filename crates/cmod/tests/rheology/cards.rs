@@ -297,8 +297,8 @@ fn functions_of_code_aster_are_those_of_the_law_in_its_band() {
             .abs()
             .max((found[1] * exact.re / exact.im - 1.0).abs())
     }));
-    // the steps are 0.115 in ln f; the error is an eighth of their square times the curvature of ln
-    // eta, which is about one
+    // tolerance: linear interpolation over steps of 0.115 in ln f has an error of an eighth of
+    // their square times the curvature of ln η, which is about one
     assert!(worst < 2e-3, "{worst}");
     for (lowest, highest) in [
         (0.0, 1.0),

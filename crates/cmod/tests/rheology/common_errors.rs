@@ -122,9 +122,10 @@ fn the_right_law_is_not_refused_for_what_an_uncertain_mass_bends() {
     let mean = chi_squared / f64::from(repetitions);
     // with two tests at the level of 1 %, six alarms in 60 have a probability below 1e-3
     assert!(refused <= 4 && coloured <= 5, "{refused} {coloured}");
-    // an additional branch increases BIC by 2 ln 160, and is accepted in one record of a hundred
+    // an additional branch is chosen if it reduces χ² by 2 ln 160, which happens by chance in one
+    // record of a hundred
     assert!(branched <= 4, "{branched}");
-    // mean of 60 values of χ² with 157 degrees of freedom; the tolerance is four times 0.0146
+    // mean of 60 values of χ² with 157 degrees of freedom; tolerance: four times 0.0146
     assert!((mean - 1.0).abs() < 0.06, "{mean}");
     assert!(refused_as_exact >= 30, "{refused_as_exact}");
 }
@@ -159,7 +160,7 @@ fn r23_parameters_cover_the_truth_of_drawn_specimens() {
         assert!((180..=199).contains(&count), "{covered:?} {predicted}");
     }
     assert!(by_random[0] < 60, "{by_random:?}");
-    // mean of 200 values of χ² with 157 degrees of freedom; the tolerance is four times 0.008
+    // mean of 200 values of χ² with 157 degrees of freedom; tolerance: four times 0.008
     let mean = chi_squared / f64::from(repetitions);
     assert!((mean - 1.0).abs() < 0.032, "{mean}");
 }

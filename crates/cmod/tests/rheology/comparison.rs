@@ -49,12 +49,12 @@ fn true_law_is_preferred() {
         assert!(row(Law::Zener).difference > 100.0);
         assert!(row(Law::KelvinVoigt).difference > row(Law::Zener).difference);
     }
-    // a gain of more than ln 300 = 5.7 has the probability 0.017; two of 10 seeds have such a gain
-    // with a probability of 1 in 80
+    // a gain above ln 300 = 5.7, with which BIC prefers the larger law, has the probability 0.017;
+    // more than two of 10 seeds have such a gain with a probability of 1 in 2000
     assert!(first >= 8, "{first}");
 }
 
-/// The table has a line for each law, including laws that could not be fitted.
+/// The table has a row for each law, including laws that could not be fitted.
 #[test]
 fn table_names_what_was_refused() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();

@@ -138,8 +138,8 @@ fn covariance_is_the_scatter_and_intervals_cover() {
                 }
             }
         }
-        // the mean of 200 values of χ²/ν, each with the standard deviation √(2/ν) = 0.1, scatters
-        // by 0.007; the tolerance is four times this value
+        // tolerance: four times 0.007, the scatter of the mean of 200 values of χ²/ν with a
+        // standard deviation of √(2/ν) = 0.1 each
         assert!((chi_squared - 1.0).abs() < 0.03, "{law}: {chi_squared}");
         for i in 0..p {
             let share = f64::from(covered[i]) / f64::from(seeds);
@@ -148,8 +148,8 @@ fn covariance_is_the_scatter_and_intervals_cover() {
             assert!((0.90..=0.99).contains(&share), "{law}, {i}: {share}");
             for j in 0..p {
                 let scale = (stated[i][i] * stated[j][j]).sqrt();
-                // the mean of 200 products scatters by (1 + r²)^½/√200 <= 0.1; the tolerance is
-                // four times this value
+                // tolerance: four times the scatter of the mean of 200 products, (1 + r²)^½/√200 <=
+                // 0.1
                 assert!(
                     (sum[i][j] - stated[i][j]).abs() < 0.4 * scale,
                     "{law}, {i} {j}: {:e} {:e}",
@@ -180,10 +180,10 @@ fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     };
     let (right, wrong) = (fit(&points), fit(&optimistic));
     assert!((wrong.variance_factor / right.variance_factor / 25.0 - 1.0).abs() < 1e-6);
-    // the standard deviation of χ²/ν with ν = 197 is 0.1
+    // tolerance: three standard deviations of χ²/ν with ν = 197
     assert!((right.variance_factor - 1.0).abs() < 0.3);
     for (a, b) in right.parameters.iter().zip(&wrong.parameters) {
-        // both minima are accurate to 1e-9 of χ², which is 3e-5 of an error
+        // tolerance: both minima are accurate to 1e-9 of χ², which is 3e-5 standard errors
         assert!((a.standard_error / b.standard_error - 1.0).abs() < 1e-4);
     }
 }

@@ -75,7 +75,8 @@ fn no_longer_series_fits_better() {
         let longest = fit.orders.iter().map(|order| order.branches).max().unwrap();
         for more in 1..=2 {
             let longer = PronyFit::with_order(&data, longest + more, &options).unwrap();
-            // the search for further lines ends where the predicted gain is less than 1
+            // tolerance: the search for further branches ends where the predicted decrease of χ² is
+            // less than 1
             assert!(
                 longer.fit.chi_squared > least - 1.5,
                 "{least} {}",

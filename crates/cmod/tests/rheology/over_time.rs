@@ -153,7 +153,8 @@ fn series_from_relaxation_and_creep_cover() {
             "{test:?}, ramp {ramp} s: E' {:.3}, E'' {:.3}, chi {chi:.3}",
             share[0], share[1]
         );
-        // 20 seeds of some three independent frequencies each: three standard errors are 0.085
+        // tolerance: three standard errors for 20 seeds with some three independent frequencies
+        // each, 0.085
         assert!(
             share.iter().all(|share| *share > 0.86),
             "{test:?} {ramp} {share:?}"
@@ -291,7 +292,7 @@ fn what_cannot_be_is_refused() {
     }
     let creep = ModulusData::over_time(creep, 0.0, &points).unwrap();
     assert!(RheologicalFit::new(&creep, Law::KelvinVoigt, &options).is_ok());
-    // a draw of the weights changes nothing if the variances are known
+    // errors of the weights have no effect if the variances are known
     let drawn = data.clone().with_scatter_of_weights(|| 1.0);
     assert_eq!(drawn.modulus(), data.modulus());
     assert!(matches!(

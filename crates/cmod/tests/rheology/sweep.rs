@@ -39,8 +39,9 @@ fn four_branches() -> GeneralisedMaxwell {
     series(0.4e9, &branches)
 }
 
-/// Returns curves at `temperatures`, of `lines` frequencies from `first_hz` to 10 kHz, of a material
-/// with the `modulus` E(ω, T), with the draws of `seed_of` the number of the temperature and T.
+/// Returns curves of a material with the `modulus` E(ω, T) at `temperatures`, each with `lines`
+/// frequencies from `first_hz` to 10 kHz. `seed_of` gives the seed of the noise for the index of a
+/// temperature and the temperature.
 fn swept(
     temperatures: &[f64],
     (first_hz, lines): (f64, u32),
@@ -63,7 +64,7 @@ fn fitted(curve: &MasterCurve) -> impl Iterator<Item = &Shift> {
     shifts.filter(|shift| shift.standard_error > 0.0)
 }
 
-/// Returns the mean square of the errors of twelve shifts, in their standard errors.
+/// Returns the mean square of the errors of twelve shifts, divided by their standard errors.
 fn mean_square(curve: &MasterCurve, exact: &dyn Fn(f64) -> f64) -> f64 {
     let squares = fitted(curve)
         .map(|of| ((of.log_shift - exact(of.temperature)) / of.standard_error).powi(2));
@@ -136,13 +137,13 @@ fn shifts_and_their_law_are_found_with_their_errors() {
         }
     }
     hold!(claims);
-    // The shifts are correlated: their 240 squares are equivalent to some tens of independent ones.
-    // The order, which is chosen from the same data, adds a little scatter.
+    // wide tolerance: the 240 squares are correlated and equivalent to some tens of independent
+    // ones, and the order, which is chosen from the same data, adds a little scatter
     assert!((0.6..1.7).contains(&square), "{square}");
     // another order is never excluded completely, and its shifts scatter about the mean
     assert!(by_order > 100, "{by_order}");
-    // C₁ and C₂ are almost completely correlated: both intervals contain the true values in 19 of
-    // 20 cases
+    // the errors of C₁ and C₂ are almost completely correlated: both intervals together contain the
+    // true values in 95 % of the cases
     assert!(covered >= 16, "{covered}");
     assert!(refused >= 18, "{refused}");
 }
@@ -347,8 +348,8 @@ fn an_open_choice_of_the_factors_is_an_error_of_the_shifts() {
             let expected = without
                 .standard_error
                 .hypot(probability.sqrt() * difference);
-            // the error is of first order: in a numpy model of this sweep with a series of fixed
-            // order it is 0.9 to 1.08 of the difference, and the orders may differ
+            // tolerance: the error is of first order. In a numpy model of this sweep with a series
+            // of fixed order it is 0.9 to 1.08 of the difference; here, the orders may also differ
             let ratio = with.standard_error / expected;
             assert!((0.75..1.33).contains(&ratio), "{seed} {step}: {ratio}");
             assert!((with.log_shift - without.log_shift).abs() < 1e-6);

@@ -31,9 +31,9 @@ fn close_relaxation_times_are_not_resolved() {
     }
 }
 
-/// A relaxation forty times faster than the band. Its flank has the slope Eτ, so its time is
-/// bounded from above and its modulus from below. One seed in twenty has by chance a curvature that
-/// is not real.
+/// A relaxation forty times faster than the band. The data determine only the slope Eτ of its
+/// flank, so its time is bounded from above and its modulus from below. For one seed in twenty,
+/// noise simulates a curvature of the flank.
 #[test]
 fn relaxation_above_the_band_is_bounded_on_one_side() {
     let law = Zener::new(2.0e9, 3.0e9, 2e-7).unwrap();
@@ -61,7 +61,8 @@ fn relaxation_above_the_band_is_bounded_on_one_side() {
         let flank = increment.value * time.value;
         assert!((flank / 200.0 - 1.0).abs() < 0.1, "{fit}");
     }
-    // 0.975 and 0.95 of 20, less three standard deviations of the binomial distribution
+    // lower limits: 0.975 and 0.95 of 20, less three standard deviations of the binomial
+    // distribution
     assert!(one_sided >= 17, "{one_sided}");
     assert!(covered >= 16, "{covered}");
 }

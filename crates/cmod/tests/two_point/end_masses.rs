@@ -46,7 +46,8 @@ fn the_mass_on_the_impacted_end_does_not_matter() {
         for line in estimate.lines() {
             let exact = polypropylene().modulus(TAU * line.frequency_hz);
             let error = (line.modulus - exact).norm() / exact.norm();
-            // rounding of Ψ, 1e-14 because of the mass at the struck end, is amplified
+            // tolerance: rounding errors of Ψ, 1e-14 because of the mass at the struck end, are
+            // amplified
             let tolerance = 1e-13 * (1.0 + line.error_amplification);
             assert!(error < tolerance, "{} Hz: {error:e}", line.frequency_hz);
             let is_closed = line.termination == Termination::ClosedForm;

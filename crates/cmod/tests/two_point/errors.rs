@@ -64,8 +64,8 @@ impl Moments {
         self.loss_factor += (line.loss_factor - clean.loss_factor).powi(2) * share;
     }
 
-    /// Compares with the stated errors of `line`. A variance of 4000 values scatters by (2/4000)^½
-    /// = 2.2 %; the tolerance is four times this value.
+    /// Compares with the stated errors of `line`; tolerance: four times the scatter of a variance
+    /// of 4000 values, (2/4000)^½ = 2.2 %.
     fn check(&self, line: &ModulusLine, what: &str) {
         let name = format!("{what}, {} Hz", line.frequency_hz);
         let stated = &line.standard_error;
@@ -88,18 +88,17 @@ impl Moments {
             (self.modulus, total.modulus),
             (self.gamma, total.propagation_coefficient),
         ] {
-            // a correlation scatters by 1/4000^½ = 1.6 % or less; the tolerance is four times this
-            // value
+            // tolerance: four times the scatter of a correlation, 1/4000^½ = 1.6 % or less
             let difference = found.correlation() - stated.correlation();
             assert!(difference.abs() < 0.065, "{name}: correlation {difference}");
         }
     }
 }
 
-/// Compares for noise alone, for an uncertain specimen alone, and for both.
+/// Compares with repetitions in which the noise, the specimen or both have random errors.
 #[test]
 fn linear_propagation_is_that_of_monte_carlo() {
-    // from poorly to well determined lines: kL = 0.6, π/2, 0.9 π, 3π/2 and beyond
+    // from poorly to well determined lines: kL of 0.6, π/2, 0.9 π, 3π/2 and more
     let frequency_hz = [400.0, 1060.0, 1900.0, 3150.0, 6000.0];
     let exact = acceleration_ratio(&polypropylene(), &SPECIMEN, 2.9e-3, &frequency_hz);
     let repetitions = 4000;
@@ -207,8 +206,8 @@ fn shifts_are_the_derivatives_by_the_specimen() {
             let modulus = (plus.modulus - minus.modulus) / (2.0 * step);
             let gamma =
                 (plus.propagation_coefficient - minus.propagation_coefficient) / (2.0 * step);
-            // for relative changes of 1e-5 or less the second order is 1e-8, and the rounding error
-            // is 1e-15/1e-5 of E, amplified
+            // tolerance: for relative changes of 1e-5 or less the second order is 1e-8, and the
+            // rounding error is an amplified 1e-15/1e-5 of E
             let name = format!("{}, {} Hz", shift.source, line.frequency_hz);
             assert!(
                 (modulus - shift.modulus).norm() < 1e-6 * shift.modulus.norm(),
