@@ -247,8 +247,8 @@ fn free_vibration_that_is_over_early_is_found_and_a_changing_decay_is_named() {
     );
 }
 
-/// A vibration that is stronger than mode 3, within the range in which mode 3 is sought, is taken
-/// for mode 3. This is reported, because the frequency found does not follow from mode 2.
+/// A vibration that is stronger than mode 3, within the range in which mode 3 is sought, is
+/// mistaken for mode 3. This is reported, because the frequency found does not follow from mode 2.
 #[test]
 fn free_vibration_names_a_mode_that_is_another_vibration() {
     let bar = RingingRod::steel(1e-4);

@@ -19,9 +19,9 @@ fn constant(name: &str) -> f64 {
     golden::constant("paper_a_constants.ron", name).value
 }
 
-/// Largest relative differences of E' and of E'' between the series and the numerical solution: over
-/// the lines that fulfil conditions (i), (ii) and (iii), and over those of them that also fulfil the
-/// criterion of one third.
+/// Largest relative differences of E' and of E'' between the series and the numerical solution:
+/// over the lines that fulfil conditions (i), (ii) and (iii), and over those of them that also
+/// fulfil the criterion of one third.
 struct Differences {
     of_all: [f64; 2],
     of_accepted: [f64; 2],

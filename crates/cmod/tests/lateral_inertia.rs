@@ -331,8 +331,7 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
         let stated = &line.standard_error;
         if line.wavelength() > 5.0 * DIAMETER {
-            // the bound is that of an incompressible rod, and four standard errors account for
-            // noise
+            // limit: the bound for an incompressible rod, plus four standard errors for noise
             let left = line.lateral_inertia_bound();
             assert!(error.re.abs() < left.storage_modulus + 4.0 * stated.storage_modulus);
             assert!(of_loss_factor.abs() < left.loss_factor + 4.0 * stated.loss_factor);
@@ -358,8 +357,8 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
     for line in by_love.correct(&estimate).unwrap().modulus().lines() {
         let truth = zener().at(TAU * line.frequency_hz);
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
-        // the limit is the bound, which is √3 times the standard error, plus the next term of the
-        // series and four standard errors of noise
+        // limit: the bound, which is √3 times the standard error, plus 15 % for the next term of
+        // the series and 4.5 standard errors for noise
         let left = line.lateral_inertia_bound();
         let noise = line.random_error();
         let most = 1.15 * left.storage_modulus + 4.5 * noise.storage_modulus;

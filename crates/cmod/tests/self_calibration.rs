@@ -254,7 +254,6 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
             {
                 z.push((source.size - drawn) / source.standard_error);
             }
-            // the standard errors show how accurately the record determines its sensors
             assert!(
                 gain_error.contains(&found.sources()[0].standard_error),
                 "{name}"

@@ -68,7 +68,8 @@ fn numbers(estimate: &ModulusEstimate) -> Vec<f64> {
     numbers
 }
 
-/// Returns the ratios of a valid specimen, with one invalid line.
+/// Returns frequencies and ratios of a valid specimen; the real part of one ratio is multiplied by
+/// `value`.
 fn spoilt(specimen: &Specimen, value: f64) -> (Vec<f64>, Vec<Complex64>) {
     let frequency_hz = frequencies(specimen, 1.0);
     let motion = |f: &f64| specimen.motion_at(specimen.length, *f);
@@ -77,8 +78,8 @@ fn spoilt(specimen: &Specimen, value: f64) -> (Vec<f64>, Vec<Complex64>) {
     (frequency_hz, ratio)
 }
 
-/// Returns the estimate from lines whose frequencies are scaled by the first number; one line is
-/// replaced by the second number, and the variance is the third number.
+/// Returns the estimate from lines whose frequencies are multiplied by the first number; the second
+/// number multiplies the real part of one ratio, and the third number is the variance.
 fn estimated(
     a: &[f64],
     estimate: impl Fn(&[f64], &[Complex64], &[f64]) -> Result<ModulusEstimate, CmodError>,

@@ -324,8 +324,8 @@ fn uncertain_density_does_not_move_the_modulus() {
     assert!(n_lines > 30, "{n_lines}");
 }
 
-/// An error of the mass on the end, of the diameter and of the density changes the modulus as shown
-/// by the estimate with these errors; an error of the mass also does so where the stated mass is 0.
+/// An error of the mass on the end, of the diameter or of the density changes the modulus by the
+/// stated shift; for the mass this is so even if the stated mass is 0.
 #[test]
 fn errors_of_an_end_mass_are_those_of_the_changed_rod() {
     use ErrorSource::{AccelerometerMass, Density, Diameter};

@@ -167,7 +167,8 @@ fn read_comsol(text: &str) -> Solid {
         value.unwrap().parse().unwrap()
     };
     assert!((stated("density") - 912.0).abs() < 1e-12);
-    // the values are those of the main branch; all other branches add to its shear modulus
+    // Young's modulus and Poisson's ratio are those of the main branch; the other branches add to
+    // its shear modulus
     let mut solid = Solid::of_young(stated("Young's modulus"), stated("Poisson's ratio"));
     for line in text.lines().filter(|line| !line.starts_with('%')) {
         let (shear, time) = line.split_once(' ').unwrap();

@@ -176,7 +176,7 @@ fn l8_missing_spring_has_a_limit() {
         let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
         let spring = fit.law.prony_series().unwrap().equilibrium_modulus();
         let limit = fit.equilibrium_limit.unwrap_or(spring);
-        // |E| at 5 Hz is 5 MPa, known to 1 % on the lowest lines
+        // a fifth of |E| = 5 MPa at 5 Hz, the lowest frequency, where |E| is known to 1 %
         assert!(limit < 1e6, "{seed}: {limit:e} {fit}");
         fluids += usize::from(fit.equilibrium_limit.is_some());
     }

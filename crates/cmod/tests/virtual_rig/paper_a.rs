@@ -72,9 +72,9 @@ impl Material {
     fn accelerations(&self, rig: &Rig, n_samples: usize) -> [Vec<f64>; 2] {
         match self {
             Self::Polypropylene(medium) => end_accelerations(medium, rig, n_samples).unwrap(),
-            // The law is only known on the real axis: one period is computed, in which the motion
-            // must have decayed. The law is not quite causal, so there is a small motion before the
-            // hit, at the end of the period.
+            // The law is known only for real frequencies, so one period is computed, in which
+            // the motion must have decayed. The law is not exactly causal, which causes a small
+            // motion before the hit, at the end of the period.
             Self::Polyamide(medium) => {
                 let blow = RaisedCosine::new(BLOW.0, BLOW.1).unwrap();
                 let count = n_samples * OVERSAMPLING;

@@ -181,7 +181,7 @@ mod tests {
     use super::*;
     use crate::Quantity;
 
-    /// A `.npy` of version 1.0 put together by hand.
+    /// Bytes of a `.npy` file of version 1.0.
     fn npy(header: &str, data: &[f64]) -> Vec<u8> {
         let mut text = header.to_owned();
         while !(10 + text.len() + 1).is_multiple_of(64) {

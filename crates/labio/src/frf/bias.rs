@@ -98,8 +98,8 @@ impl AveragedSpectra {
                 for (line, c) in coherence.iter().enumerate() {
                     let (a, b) = (on_input[line], on_output[line]);
                     let root = ((b - a).powi(2) + 4.0 * a * b * c).sqrt();
-                    // two forms of the same number: each keeps its digits where the other one loses
-                    // them
+                    // two forms of the same number, of which the one without a difference of nearly
+                    // equal terms is used
                     let factor = match (a > 0.0 || b > 0.0, b >= a) {
                         (false, _) => 1.0,
                         (true, true) => 2.0 * b / (root + b - a),

@@ -115,7 +115,7 @@ impl Shape {
 /// never the same: even the noise of the last bit of a converter is greater. Channels that never
 /// move are not compared; hits in which no channel moves are not copies.
 ///
-/// Unless hits are equal, the cost is that of reading the samples once.
+/// The time needed is that of reading the samples once, unless hits are equal.
 ///
 /// # Errors
 ///

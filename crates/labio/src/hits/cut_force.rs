@@ -131,7 +131,8 @@ fn cut_at(samples: &[f64], n_rest: Option<usize>) -> Option<f64> {
             return false;
         };
         let (fall, fall_before) = (second - value, third - second);
-        // seven halves of a step are the largest rounding of these differences
+        // four steps exceed the largest rounding error of the second difference, seven halves of a
+        // step
         value > fall.max(2.0 * fall - fall_before) + BEYOND_NOISE * noise + 4.0 * step
     };
     (is_proven || is_steep()).then(|| value / peak)

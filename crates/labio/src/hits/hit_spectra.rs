@@ -15,9 +15,9 @@ pub(super) type Lines = Vec<Complex64>;
 /// Spectra of an input and of outputs in several hits, for [`find_odd_hits`](super::find_odd_hits)
 /// and [`find_trends`](super::find_trends).
 ///
-/// Each channel is taken relative to its level at rest and completed by the motion after the
-/// record. The line at 0 Hz is left out. Fewer than four hits are not transformed: nothing is found
-/// in them.
+/// The level at rest is subtracted from each channel, and the motion after the end of the record is
+/// added to its spectrum. The line at 0 Hz is left out. Fewer than four hits are not transformed:
+/// nothing is found in them.
 #[derive(Debug, Clone, Default)]
 pub struct HitSpectra {
     pub(super) n_samples: usize,

@@ -189,11 +189,11 @@ impl Criteria {
         };
         let step = smallest_step(signal.samples);
         let noise = signal.rest.noise;
-        // without noise, a plateau is as flat as clipping
+        // plateaus of a signal without noise look like clipping
         let limit_is_told = !holds.plateaus || noise > step;
         let (mut clipped, mut dropped) = (None, None);
         let runs = runs(signal.samples, shortest);
-        // a steep front that is cut off leaves only two equal samples, which are evidence where
+        // a limit may cut off only two samples of a steep front: two equal samples are evidence if
         // noise makes equal neighbours rare
         let noise_in_steps = if are_multiples(signal.samples, step) {
             noise / step
@@ -212,8 +212,8 @@ impl Criteria {
                 |limit: f64| [run.step_in, run.step_out].map(|s| s.is_some_and(|s| s > limit));
             if is_extreme {
                 let [into, out] = leaps(3.0 * step.max(f64::MIN_POSITIVE) + LEAP * noise);
-                // noise of several steps leaves three samples of a steep crest equal, with a leap
-                // on one side; a limit cuts both flanks
+                // in noise of several steps, three samples of a steep crest may be equal with a
+                // large step on one side, whereas clipping has a large step on both sides
                 let cut = if noise > step {
                     into && out
                 } else {
@@ -349,7 +349,8 @@ impl Criteria {
                 .fold(0.0, f64::max)
         };
         let remainder = (squares - noise).max(0.0).sqrt();
-        // noise is not movement, and its estimate from few samples has a large error
+        // the estimate of the noise from few samples has a large error, so that a remainder of the
+        // size of the noise may be noise
         if remainder > limit * peak && remainder > 3.0 * noise.sqrt() {
             reasons.push(Reason::NotDecayed {
                 channel: signal.channel.to_owned(),
@@ -467,28 +468,29 @@ fn only_value(samples: &[f64]) -> Option<f64> {
 }
 
 /// Largest difference between neighbouring samples of a smooth crest, in standard deviations of the
-/// noise.
+/// noise, in addition to three converter steps.
 const LEAP: f64 = 4.0;
 
-/// Probability below which equal samples in noise are not a coincidence.
+/// Probability by chance of a run of equal samples in noise, below which the run is evidence of
+/// clipping.
 const BY_CHANCE: f64 = 1e-6;
 
 /// Noise relative to the peak below which a record was computed without noise; symmetric pulses
 /// then have equal samples.
 const DUST: f64 = 1e-9;
 
-/// Noise, in steps, that is assumed for a record without a step, in which no two samples are equal
-/// by chance.
+/// Noise, in converter steps, assumed for a record whose samples are not multiples of a step: two
+/// samples are then not equal by chance.
 const WITHOUT_STEP: f64 = 1e12;
 
-/// Smallest length with which a run is compared with [`BY_CHANCE`]: two equal samples are judged
-/// like three, at a probability of 1e-3 per pair, because they count only at the extreme.
+/// Smallest length with which a run is compared with [`BY_CHANCE`]: two equal samples at the
+/// extreme are compared like three.
 const LEAST_EVIDENT: usize = 3;
 
-/// Probability below which equal neighbours are rare.
+/// Fraction of equal neighbours below which they are rare.
 const RARE: f64 = 0.01;
-/// Number of runs of equal samples that, in addition to the rare ones, is not evidence of an
-/// upsampled record, in which most neighbours are equal.
+/// Number of runs of equal samples, in addition to the rare ones, up to which a record does not
+/// count as upsampled; most neighbours of an upsampled record are equal.
 const FEW_RUNS: f64 = 8.0;
 
 /// Returns the probability that noise of this standard deviation, in steps of the converter, leaves

@@ -88,8 +88,8 @@ impl Criteria {
     /// Returns the clipping found in the extreme values of all `hits` together, each with its index
     /// in `hits`: a channel reaches the same extreme in at least two peaks, with at least as many
     /// samples as a clipped run has, and with more samples than in the eight converter steps below
-    /// it. Peaks of two samples, and of several hits, count together. Waves in bars and channels
-    /// without noise at rest are not checked.
+    /// it. The samples are counted over the peaks of all hits, however few of them a peak has.
+    /// Waves in bars and channels without noise at rest are not checked.
     ///
     /// # Errors
     ///

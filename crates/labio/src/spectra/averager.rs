@@ -430,7 +430,7 @@ impl SpectrumAverager {
                 });
             }
         }
-        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: finite if the auto-spectra are
+        // |conj(X) Y| <= (|X|^2 + |Y|^2)/2: cross-spectra are finite because the auto-spectra are
         for lines in &mut cross {
             for (line, value) in lines.iter_mut().enumerate() {
                 *value *= scale(line);

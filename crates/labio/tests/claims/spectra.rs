@@ -92,7 +92,7 @@ fn closed_forms(report: &mut Claims) {
     );
 }
 
-/// The analyser of paper E, section 3.1: 4096 samples, whose duration is printed as 28 ms.
+/// The analyser of paper E, section 3.1: 4096 samples at an interval of 28 µs (printed as 28 ms).
 fn analyser(report: &mut Claims) {
     const SOURCE: &str = "paper E, section 3.1, with the erratum 28 µs for 28 ms";
     let silence = || -> Fallible<Record> {

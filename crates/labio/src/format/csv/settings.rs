@@ -27,7 +27,8 @@ pub(super) struct Settings {
     time_unit: Option<String>,
     names: Vec<String>,
     units: Vec<String>,
-    /// True if the instrument writes names and units here, and no row of names above the numbers.
+    /// True if the instrument writes names and units as settings, so that there is no row of names
+    /// above the numbers.
     replace_names: bool,
     /// Positions of start and interval in the row below the names.
     below: Option<(usize, usize)>,
