@@ -1,5 +1,5 @@
-//! The two-point method itself: roots, errors, masses, export. Records as in a laboratory are in
-//! `virtual_rig`.
+//! The two-point method on exact ratios and on ratios with drawn errors: roots, errors, masses and
+//! export. Tests with simulated records of a laboratory are in `virtual_rig`.
 
 mod end_masses;
 mod errors;

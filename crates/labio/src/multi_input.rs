@@ -72,8 +72,8 @@ impl MultiInputResponse {
         channel::find(&self.inputs, input).map(|(number, _)| number)
     }
 
-    /// Returns the response to one of the inputs, whose variance has $`2(n_e-q)`$ degrees of
-    /// freedom; it has no ordinary coherence.
+    /// Returns the response to one of the inputs. Its variance has $`2(n_e-q)`$ degrees of freedom;
+    /// it has no ordinary coherence.
     ///
     /// # Errors
     ///

@@ -308,8 +308,8 @@ fn series_are_written_as_columns_with_abscissae_and_units() {
     assert!(back.contains("end_A_unit_2"), "{back}");
 }
 
-/// Names that equal those of the variables that accompany a series are changed, in either order,
-/// and long names leave room for their endings.
+/// Names that equal those of the variables that accompany a series are changed, whichever of the
+/// two comes first; long names are shortened for their endings.
 #[test]
 fn nothing_else_is_taken_for_the_abscissa_or_the_unit_of_a_series() {
     let uneven = || Abscissa::Uneven(vec![3.0, 4.5]);

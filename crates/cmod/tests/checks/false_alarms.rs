@@ -98,7 +98,7 @@ fn kramers_and_kronig_cry_wolf_less_often_than_stated() {
         alarms += usize::from(outcome.has_failed());
         sum += outcome.statistic;
     }
-    // more than 8 of 60 alarms at a level of 5 % have a probability of 0.5 %
+    // more than 8 alarms in 60 records have a probability of 0.5 % at a level of 5 %
     assert!(alarms <= 8, "{alarms}");
     // the root mean square residual of some hundred lines is 1, less the part that a dozen
     // parameters absorb, less half of its relative scatter 1/√(2n)

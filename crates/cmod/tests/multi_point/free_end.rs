@@ -369,7 +369,7 @@ fn errors_are_those_of_the_changed_rod(mass: f64, sources: &[ErrorSource]) {
                 continue;
             };
             let found = other.modulus - line.modulus;
-            // the second order in 1e-5, amplified some hundred times near singular lines
+            // tolerance: the second order in 1e-5, amplified some hundred times near singular lines
             assert!(
                 (found - shift.modulus).norm() < 3e-3 * found.norm() + 1e-10 * line.modulus.norm(),
                 "{source:?} {} Hz: {found} {}",

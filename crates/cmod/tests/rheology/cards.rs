@@ -453,7 +453,7 @@ fn l1_cards_hold_what_the_band_of_the_data_allows() {
         let solid = read_abaqus(&text);
         let young = |omega: f64| solid.young(omega);
         let instantaneous = young(1e12).re;
-        // E' + E'' is 1.095 |E|; the tolerance is three standard errors of 1 % on a line
+        // E' + E'' is 1.095 |E|; tolerance: three standard errors of 1 % on a line
         assert!(instantaneous < 1.13 * top.norm(), "{text}");
         assert!(young(1e-6).re > 0.87 * law.at(TAU * 150.0).norm(), "{text}");
         let (k, g) = (

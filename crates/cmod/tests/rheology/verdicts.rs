@@ -148,7 +148,7 @@ fn l2_spring_below_a_slow_relaxation_is_never_identified() {
             seeds += 1;
         }
     }
-    // 57 of 60 are expected, less three standard deviations
+    // limit: three standard deviations below 57 of 60
     assert!(covered >= 52, "{covered} of {seeds}");
 }
 

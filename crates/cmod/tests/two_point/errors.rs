@@ -438,7 +438,7 @@ fn r15_common_errors_stand_beside_and_judge_no_line() {
     for line in with.valid() {
         let random = line.random_error().storage_modulus / line.modulus.re;
         assert!(random < 0.002, "{random}");
-        // dE/E = dρ/ρ, and the effect of the mass of the accelerometer relative to the rod
+        // 1 % for dE/E = dρ/ρ, changed by the effect of the density on the mass ratio
         let common = line.systematic_error().storage_modulus / line.modulus.re;
         assert!((0.006..0.0125).contains(&common), "{common}");
         let total = line.standard_error.storage_modulus / line.modulus.re;

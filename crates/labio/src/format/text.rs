@@ -139,9 +139,9 @@ const BELOW_MARKS: f64 = 9.8e34;
 /// Words that instruments write for a signal beyond the range, in any case of letters.
 const OVERLOADS: [&str; 6] = ["OL", "OVER", "OVLD", "OVERLOAD", "OVERFLOW", "OVERRANGE"];
 
-/// Parses a real number; blanks around it are allowed. The exponent letter may be Fortran's D, the
-/// minus sign that of Unicode. Infinities and NaN are written in words, as [marks](of_mark), or as
-/// the C library of Windows prints them (`1.#INF`).
+/// Parses a real number; blanks around it are allowed. The exponent letter may be Fortran's `D`,
+/// and the minus sign may be that of Unicode. Infinity and NaN may be words, [marks](of_mark), or
+/// written as by the C library of Windows (`1.#INF`).
 pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
     let text = trimmed(text);
     let value = match text.bytes().find(|byte| !matches!(byte, b'+' | b'-'))? {

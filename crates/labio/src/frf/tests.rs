@@ -170,8 +170,9 @@ const STUDENT: [(usize, f64, f64); 4] = [
     (30, 1.009, 2.002),
 ];
 
-/// Spectra of `n_hits` equal impulses and of the impulses times 2, with noise of these powers on
-/// both channels, and the noise found from the silence before the impulses.
+/// Spectra of `n_hits` hits, whose input is an impulse and whose output is twice the impulse, with
+/// noise of these powers on the two channels; and the noise found from the silence before the
+/// impulses.
 fn blows(
     seed: u64,
     n_hits: usize,

@@ -16,8 +16,8 @@ const END: usize = 8;
 const GAIN: f64 = 70.0;
 /// Largest lag k of the autocorrelations.
 const LAGS: usize = 16;
-/// Number of equal last samples above which these samples were not measured: the analyser has
-/// continued the hit at its level, or has set the force to 0 after the impact.
+/// Number of equal last samples that shows that they were not measured: the analyser has continued
+/// the hit at its level, or has set the force to 0 after the impact.
 const STILL: usize = 4;
 /// Smallest noise, in steps of the converter, for which the rounding error is independent of the
 /// level.

@@ -270,7 +270,7 @@ fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     );
     let alone = larger(&[&heavy, &heavy]);
     let coherent = alone.coherent[band].iter().filter(|c| **c).count();
-    // 5 of 100 lines are coherent by chance, with a standard error of 2.2: four of these above
+    // 5 of 100 lines are coherent by chance; tolerance: four standard errors of 2.2
     assert!(coherent < 14, "{coherent}");
 }
 

@@ -17,9 +17,9 @@ const CUT_BEYOND_NOISE: f64 = 5.0;
 
 /// Returns the peak between the `earlier` and the `later` window divided by the peak of the smaller
 /// pulse, if there is another pulse, which means that the later window contains a later passage of
-/// the wave. In one channel, the signal is tested between the two windows; in two channels, the
-/// later channel is tested from the beginning of the earlier window on, and its pulse is the
-/// smaller one.
+/// the wave. In one channel, the signal is tested between the two windows. In two channels, the
+/// later channel is tested from the beginning of the earlier window on, and the pulse in the later
+/// window counts as the smaller one.
 ///
 /// Both peaks are means over the `hits`, counted from the level in the first `n_rest` samples (from
 /// 0 without them). The tails of the two pulses do not count: these are the samples before the
@@ -223,7 +223,8 @@ mod tests {
         assert!((found - 1.0).abs() < 1e-12, "{found}");
         assert_eq!(find(&hit(0.5, 0.0), &b, &a), None);
         assert_eq!(find(&hit(0.25, 0.0), &last, &b), None);
-        // ten standard deviations are 0.6; the largest of the three highest samples reaches 0.5
+        // not found: ten standard deviations of the noise are 0.6, and the largest sample of the
+        // other pulse is about 0.5
         assert!(find(&hit(0.4, 0.0), &last, &b).is_some());
         assert_eq!(find(&hit(0.4, 0.06), &last, &b), None);
     }

@@ -44,8 +44,8 @@ fn the_silence_tells_the_error_of_one_ratio() {
         }
     }
     for mean in sums {
-        // standard errors: 6 % of 300 exponentially distributed squares, and 2 % of the noise from
-        // a silence of 15 segments; three times these
+        // tolerance: three standard errors, which are 6 % for 300 exponentially distributed squares
+        // and 2 % for the noise from a silence of 15 segments
         assert!((mean - 1.0).abs() < 0.2, "{mean}");
     }
 }

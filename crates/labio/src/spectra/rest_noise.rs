@@ -187,7 +187,7 @@ mod tests {
         // uniform between -1/2 and 1/2: a variance of 1/12, distributed over 4 kHz
         let exact = 1.0 / 12.0 / 4000.0;
         for f in [20.0, 500.0, 3000.0] {
-            // 150 overlapped segments: a standard error of 8 % on a line; three of these
+            // tolerance: three standard errors of a line, 8 % for 150 overlapped segments
             assert!((noise.density_at(f) / exact - 1.0).abs() < 0.25, "{f}");
         }
         let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();

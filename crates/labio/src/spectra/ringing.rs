@@ -379,8 +379,8 @@ mod tests {
             }
         }
         for (found, stated) in sums {
-            // standard errors: 5 % for 400 exponentially distributed energies, and 16 % divided by
-            // the root of 400 for the silences of 200 samples; three times these
+            // tolerance: three standard errors, which are 5 % for 400 exponentially distributed
+            // energies and 16 % divided by √400 for the silences of 200 samples
             assert!((found / stated - 1.0).abs() < 0.16, "{found} {stated}");
         }
     }
