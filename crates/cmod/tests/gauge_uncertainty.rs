@@ -164,7 +164,7 @@ fn a_gauge_that_reads_too_much_or_late_moves_every_line_by_its_shift() {
                 for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
                     let shift = shift(right, source);
                     let moved = wrong.modulus - right.modulus;
-                    // tolerance: the second order, which relative to the shift is several times the error
+                    // tolerance: the second order, relative to the shift several times the error
                     let tolerance = 0.02 * shift.modulus.norm() + 1e-9 * right.modulus.norm();
                     assert!(
                         (moved - shift.modulus).norm() < tolerance,

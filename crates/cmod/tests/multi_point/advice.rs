@@ -52,7 +52,7 @@ fn plans_of_positions() {
 }
 
 /// Compares with an independent computation, whose material and reflected wave are not stated: with
-/// other waves, only the order of magnitude can agree.
+/// other waves, the errors agree only approximately.
 fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
     let [equal, unequal, five] = [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL].map(summary);
     claims.by("errors of sets of positions over 0.2 m, computed separately for 1 % of noise (the material and the reflection of this computation are not stated)");

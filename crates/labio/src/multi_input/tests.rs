@@ -101,9 +101,9 @@ fn s14_random_records_are_covered_by_students_law() {
             gains.len()
         );
         for [one, two] in parts {
-            // three standard errors of 1.2 % and 0.6 % (1640 lines or more), plus the second order
-            // of an error of 0.1; overlapping segments scatter slightly less than their effective
-            // number implies
+            // tolerance: three standard errors of 1.2 % and 0.6 % (1640 lines or more), plus the
+            // second order of an error of 0.1; overlapping segments scatter slightly less than
+            // their effective number implies
             assert!(
                 (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
                 "{one} {two}"
