@@ -1,5 +1,4 @@
-//! Benchmark of the response, its coherence and its errors from two channels in memory, on one
-//! thread.
+//! Benchmark of H1, H2 and the coherence of two channels in memory, on one thread.
 //!
 //! `welch`: 2^20 samples per channel in segments of 8192, with a periodic Hann window and half
 //! overlap. `hits`: ten hits of 65 536 samples. The lower bound of either time is that of the same

@@ -140,8 +140,8 @@ mod tests {
         let n = n as f64;
         let mean = errors.iter().sum::<f64>() / n;
         let variance = errors.iter().map(|e| e * e).sum::<f64>() / n;
-        // tolerance: four standard errors; the error has a variance of 1/4 and a fourth moment below
-        // 1/5
+        // tolerance: four standard errors; the error has a variance of 1/4 and a fourth moment
+        // below 1/5
         assert!(
             (variance - 0.25).abs() < 4.0 * (0.2 / n).sqrt(),
             "{variance}"
