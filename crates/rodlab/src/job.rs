@@ -27,7 +27,7 @@ use crate::{Outcome, RodlabError};
 /// # Errors
 ///
 /// [`RodlabError`] if the sheet or a file is wrong. Data that do not allow a result are not an
-/// error: the verdict of the outcome states this.
+/// error: they are reported in the verdict of the outcome.
 pub fn run(
     sheet: &Sheet,
     progress: &dyn Progress,
@@ -50,12 +50,13 @@ impl<'a> JobContext<'a> {
     }
 }
 
-/// The files of a sheet, which can be read.
+/// Files of a sheet, all of which could be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Checked {
     /// The files.
     pub inputs: Vec<InputFile>,
-    /// Warnings about the sheet and its files, such as a unit that contradicts that of a file.
+    /// Warnings about the sheet and its files, such as a unit in the sheet that contradicts the
+    /// unit in a file.
     pub warnings: Vec<String>,
 }
 

@@ -4,8 +4,8 @@
 //! The rows of all tables are sorted into steps of one temperature each. If there is one step, laws
 //! of the modulus are fitted to its rows. Several steps are shifted to one master curve by
 //! `cmod::rheology::MasterCurve`; the laws of Williams, Landel and Ferry and of Arrhenius are
-//! fitted to the shifts, and laws of the modulus to the reduced lines, with the errors of the
-//! shifts.
+//! fitted to the shifts, and laws of the modulus to the rows at reduced frequencies, including the
+//! errors of the shifts.
 
 mod columns;
 mod errors;
@@ -84,7 +84,8 @@ pub struct FitSheet {
     /// with its errors, and checks whether the rows agree with it; off by default.
     #[serde(default)]
     pub causal: bool,
-    /// Accepts moduli above 1500 GPa, which are otherwise taken for a wrong unit.
+    /// Accepts moduli above 1500 GPa, which are otherwise refused because their unit is probably
+    /// wrong.
     #[serde(default)]
     pub unusual: bool,
     /// Number of Monte Carlo draws, such as 1000, of the rows and of every quantity stated with ±;
@@ -135,18 +136,18 @@ struct Found<'a> {
     sweep: Option<Sweep>,
 }
 
-/// Largest accepted standard uncertainty of a temperature \[K\]; a larger number is probably a
-/// temperature in degrees.
+/// Largest accepted standard uncertainty of a temperature \[K\]; a larger number is probably the
+/// temperature itself.
 const MOST_UNCERTAIN: f64 = 20.0;
 
 /// Master curve of several temperatures.
 struct Sweep {
     curve: MasterCurve,
     shift_laws: Result<ShiftLaws, cmod::CmodError>,
-    /// Shift laws with errors from the scatter of the shifts, if WLF does not fit the shifts within
-    /// their own errors.
+    /// Shift laws with errors from the scatter of the shifts, if the WLF law does not fit the
+    /// shifts within the errors of the shifts.
     by_scatter: Option<ShiftLaws>,
-    /// Reduced lines.
+    /// Moduli over reduced frequency.
     reduced: ModulusData,
 }
 
@@ -270,7 +271,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
 }
 
 impl FitSheet {
-    /// Returns the defaults of the fields that the sheet does not state.
+    /// Returns the defaults of optional fields.
     fn defaults(&self) -> Vec<Setting> {
         let errors = |at: usize| {
             Setting::by_default(
@@ -382,7 +383,7 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Returns the rows in the form in which the causal estimate is shown.
+/// Returns the rows in the form used by the report of the causal estimate.
 fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     let Lines {
         points,
@@ -404,8 +405,8 @@ fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     }
 }
 
-/// Returns the lines for the fit of laws: the lines of a single temperature, or the reduced lines
-/// of several.
+/// Returns the rows to which laws are fitted: over frequency for a single temperature, over reduced
+/// frequency for several temperatures.
 fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     let points: Vec<(f64, Complex64)> = data
         .omega()
@@ -433,7 +434,7 @@ fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     Lines {
         data,
         error_scale: found.error_scale,
-        // several temperatures are judged by their master curve
+        // with several temperatures, the fit of the master curve is tested instead
         chance: found.sweep.is_none().then_some(master::CHANCE),
         series_profiles: found.sweep.is_none(),
         density: found.sheet.density.as_ref().map(Stated::with_uncertainty),

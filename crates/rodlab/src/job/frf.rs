@@ -1,10 +1,10 @@
 //! Frequency responses of hits, with coherence and errors.
 //!
-//! Hits are averaged to spectra. Their ratio is the response, reported with its coherence, the
-//! random error of every line, and the histories and spectra needed to judge it. Optionally the
-//! responses of two hammers are merged, the weighed mass of a free body replaces low-frequency
-//! lines, and one kind of motion is converted into another. All numerical methods are those of
-//! `labio`.
+//! The spectra of the hits are averaged. The ratio of output to input is the response, reported
+//! with its coherence, the random error of every line, and the histories and spectra needed to
+//! judge it. Optionally the responses of two hammers are merged, the weighed mass of a free body
+//! replaces low-frequency lines, and one kind of motion is converted into another. All numerical
+//! methods are those of `labio`.
 
 mod estimate;
 mod input_spectra;
@@ -364,8 +364,8 @@ fn report(
     }
 }
 
-/// Warns of the effect of windows, and of a trend other than the level at rest, on the response of
-/// `output`.
+/// Warns of the effect on the response of `output` of windows, and of removing a trend other than
+/// the level at rest.
 fn warn_of_windows(
     sheet: &FrfSheet,
     output: &str,

@@ -572,7 +572,7 @@ fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Compariso
         .map(|law| law.law)
 }
 
-/// Returns the defaults of the fields that the sheet does not state.
+/// Returns the defaults of optional fields.
 fn defaults() -> Vec<Setting> {
     let laws: Vec<String> = laws_of_paper_d()
         .iter()

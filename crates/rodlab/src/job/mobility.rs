@@ -78,7 +78,7 @@ pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Out
     Ok(outcome)
 }
 
-/// Returns the defaults of the fields that the sheet does not state, except those of the source.
+/// Returns the defaults of optional fields, except those of the source.
 fn defaults() -> [Setting; 5] {
     [
         Setting::by_default("head_mass", "none"),

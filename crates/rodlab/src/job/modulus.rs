@@ -163,8 +163,7 @@ impl LimitsSheet {
 }
 
 impl ModulusSheet {
-    /// Returns the defaults of the fields that the sheet does not state, except those of its
-    /// source.
+    /// Returns the defaults of optional fields, except those of the source.
     fn defaults(&self) -> Vec<Setting> {
         let mut defaults = Vec::new();
         let mut open = |name: &str, value: &str| defaults.push(Setting::by_default(name, value));

@@ -279,7 +279,7 @@ fn analytic(
 }
 
 impl SimulateSheet {
-    /// Returns the defaults of the fields that the sheet does not state.
+    /// Returns the defaults of optional fields.
     fn defaults(&self) -> Vec<Setting> {
         let of_experiment: &[(&str, &str)] = match &self.experiment {
             ExperimentSheet::EndAccelerations(_) => &[

@@ -15,22 +15,23 @@ const MOST_DRAWN: u32 = 4;
 
 /// Histories of the waves of the first shot.
 pub(super) struct Waves {
-    /// Times \[s\] at which the front of the pulse returns to each gauge after its first passage.
+    /// Times \[s\] at which the front of the pulse passes each gauge again after its first passage.
     pub(super) returns: Vec<Vec<f64>>,
-    /// Name of the place, wave towards the free end, and wave from the free end.
+    /// For each place: its name, the wave towards the free end, and the wave from the free end.
     pub(super) at: Vec<(String, Vec<f64>, Vec<f64>)>,
     /// Gauge whose history the model predicts.
     pub(super) gauge: String,
-    /// History of this gauge in the band, in the scale of the first gauge.
+    /// Measured history of `gauge` in the band of the valid lines, scaled to the calibration of the
+    /// first gauge.
     pub(super) measured: Vec<f64>,
-    /// Prediction of the model for this history.
+    /// History of `gauge` predicted by the model.
     pub(super) predicted: Vec<f64>,
     pub(super) rate_hz: f64,
 }
 
 impl Waves {
-    /// Root mean square of the residual of the model, relative to the root mean square of the
-    /// history.
+    /// Root mean square of the difference between measured and predicted history, relative to the
+    /// root mean square of the measured history.
     pub(super) fn misfit(&self) -> Quantity {
         let pairs = self.measured.iter().zip(&self.predicted);
         let left: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
@@ -99,8 +100,8 @@ pub(super) fn of(
         }
         None => {
             let both = bar.strain_at(&wave, last.distance())?;
-            // the scale is fitted, because the estimate also determines the ratio of the
-            // calibrations
+            // the scale of the measured history is fitted, because the estimate also fits the ratio
+            // of the gauge calibrations
             let products = measured.iter().zip(&both);
             let (product, square) =
                 products.fold((0.0, 0.0), |(p, s), (a, b)| (p + a * b, s + a * a));

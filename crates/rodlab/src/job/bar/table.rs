@@ -13,8 +13,8 @@ use crate::{InStep, RodlabError};
 /// Probability of the bands.
 const LEVEL: f64 = 0.95;
 
-/// Waves of the bar on a line as measured. They contain the lateral inertia, for which the modulus
-/// is corrected.
+/// Propagation of the measured waves on a line. It includes the effect of lateral inertia, for
+/// which the modulus is corrected.
 pub(super) struct Line {
     pub(super) frequency_hz: f64,
     /// $`\gamma = \alpha + ik`$ [1/m].

@@ -132,7 +132,8 @@ impl ModulusColumns {
         }
     }
 
-    /// Returns the values of both columns by `read`; a missing column has zeros.
+    /// Returns the values of both columns, obtained with `read`; zeros if there is no second
+    /// column.
     pub(super) fn values(
         &self,
         read: impl Fn(ModulusColumn<'_>) -> Result<Vec<f64>, RodlabError>,
@@ -352,7 +353,8 @@ fn rows(
     Ok(rows)
 }
 
-/// Returns the frequencies \[Hz\], which are 1/(2πt) for times, with the field of their column.
+/// Returns the frequency \[Hz\] of each row, or 1/(2πt) for a row over time, and the field of the
+/// sheet that states the column.
 fn abscissae(
     table: &TableSheet,
     file: &TableFile,
@@ -417,7 +419,8 @@ fn abscissae(
     }
 }
 
-/// Returns the complex moduli, or the moduli over time \[Pa\], with the field of their real parts.
+/// Returns the complex modulus of each row, or the modulus over time as a real number \[Pa\], and
+/// the field of the sheet that states the first column.
 fn moduli(
     table: &TableSheet,
     file: &TableFile,

@@ -27,8 +27,8 @@ pub(super) const ASSUMED: f64 = 0.01;
 const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Number of standard errors below 0 from which a loss modulus counts as negative, not as noise.
 const NEGATIVE: f64 = 3.0;
-/// Probability of a false alarm, for a modulus that rises with time only by chance: that of four
-/// standard errors.
+/// Probability of a false alarm for a modulus that rises with time only by chance; 3e-5 is the
+/// probability that a normal error exceeds four standard deviations on one side.
 const RISING: f64 = 3e-5;
 
 /// Standard errors of the moduli.
@@ -223,7 +223,7 @@ pub(super) fn data_of_all(
 
 /// Adds a drawn error to every row, and to the common scale. The covariances are doubled, because
 /// each row then contains its own error and the drawn one. The relative weights, and every decision
-/// based on the agreement of rows, stay as in the result.
+/// based on the agreement of rows, are thus the same as without draws.
 pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
     let error = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let scale = 1.0 + error * draw.standard();

@@ -240,8 +240,9 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
 /// beyond it the evidence is very strong (Kass & Raftery 1995).
 const OPEN: f64 = 10.0;
 
-/// Adds the warning that the factors of the modulus were chosen by the data, with the largest
-/// change of a shift or of a parameter of the preferred law if the choice is open.
+/// Warns about factors of the modulus that were chosen from the data. If the choice is open and
+/// changes a shift, or a parameter of the preferred law, by more than one standard error, the
+/// warning states the largest change. Otherwise only factors of rubber elasticity are reported.
 pub(super) fn of_factors(
     outcome: &mut Outcome,
     curve: &MasterCurve,
@@ -461,7 +462,7 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
         .with_error(1e-3 * arrhenius.standard_error)
         .valid_if(is_arrhenius && is_wlf);
     outcome.quantities.push(quantity);
-    // decrease of log a per kelvin at the reference; it is the same for both laws
+    // decrease of log₁₀ a_T per kelvin at the reference temperature; it is the same for both laws
     let slope = wlf.slope / LN_10;
     outcome.say(if is_arrhenius && is_wlf {
         format!(

@@ -193,7 +193,7 @@ pub(super) fn of(
     Ok(steps)
 }
 
-/// Returns the other choices for `steps`, in the language of the sheet.
+/// Describes the other choices for `steps`, in the language of the sheet.
 fn choices(language: Language) -> &'static str {
     match language {
         Language::Ron => "`steps: Column(...)`, `steps: ByFile`, or a smaller `steps: Within(...)`",

@@ -40,8 +40,8 @@ pub(super) type Values = Vec<f64>;
 
 impl TableFile {
     /// Reads the table in `bytes`. Lines after the last row that are not rows of numbers are left
-    /// out and logged. Such a line between rows is refused, because a row would be missing from the
-    /// table without anybody noticing.
+    /// out and logged. Such a line between rows is refused, because otherwise a row could be
+    /// missing from the table unnoticed.
     pub(super) fn of(bytes: &[u8], path: String, table: &str) -> Result<Self, RodlabError> {
         let reading = |error| RodlabError::step(format!("{table}: reading {path}"), error);
         let mut log = Vec::new();

@@ -101,7 +101,7 @@ pub(super) fn run(
     Ok(())
 }
 
-/// Adds the defaults of the fields that the sheet does not state.
+/// Adds the defaults of optional fields.
 fn defaults(
     sheet: &ImpactSheet,
     bodies: [&FaceBody; 2],

@@ -401,7 +401,7 @@ fn check_lines(
     Ok(())
 }
 
-/// Returns the defaults of the fields that the sheet does not state.
+/// Returns the defaults of optional fields.
 fn defaults() -> [Setting; 3] {
     [
         Setting::by_default("problem.regularisation", "none"),
@@ -410,8 +410,8 @@ fn defaults() -> [Setting; 3] {
     ]
 }
 
-/// Adds the settings that the sheet does not state and that were determined from the calibration
-/// hits.
+/// Adds the settings that the sheet does not state and that were chosen from the data: the
+/// exponential window, the noise, and the time in which the force acts.
 fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
     let mut say = |name: &str, value: String| {
         outcome.by_default(format!("problem.{name}"), value);

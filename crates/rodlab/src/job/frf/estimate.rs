@@ -32,7 +32,7 @@ pub(super) struct Estimated {
     /// Relative systematic error of each line, due to motion at the end of the record or, for
     /// segments, to the width of the lines; `None` if it is not known.
     pub(super) leakage: Option<Vec<f64>>,
-    /// Cause of that error.
+    /// Cause of the systematic error.
     pub(super) cause: &'static str,
     /// Multiple coherence; `None` for a single input.
     pub(super) multiple: Option<Vec<f64>>,
@@ -62,14 +62,15 @@ const TOO_WIDE: &str = "feature narrower than the lines";
 /// Relative error by leakage above which a line is refused.
 const MOST_LEAKAGE: f64 = 0.5;
 
-/// Number of standard deviations by which the number of valid lines must exceed the number expected
-/// by chance.
+/// Number of standard deviations by which the number of coherent lines must exceed the number
+/// expected by chance.
 const BEYOND_CHANCE: f64 = 4.0;
 
 impl Estimated {
-    /// Returns true if more of `n_lines` lines are coherent than noise alone would make coherent. Each
-    /// line of noise is coherent independently, with the probability that one of the tests reaches the
-    /// level of chance. Always true for a single hit, which has no coherence.
+    /// Returns true if more of `n_lines` lines are coherent than noise alone would make coherent.
+    /// With noise alone, each line is coherent independently of the others, with the probability
+    /// that at least one test exceeds the level of chance. Always true for a single hit, which has
+    /// no coherence.
     pub(super) fn is_more_than_chance(&self, n_coherent: usize, n_lines: usize) -> bool {
         if self.coherences.is_empty() {
             return true;
@@ -190,8 +191,8 @@ fn no_hit() -> LabioError {
     }
 }
 
-/// Returns the effect of windows, and of a trend other than the level at rest, on the response of
-/// `output`: the departure from the response without them. `None` if the sheet uses neither.
+/// Returns the change of the response of `output` by windows, and by removing a trend other than
+/// the level at rest. `None` if the sheet uses neither.
 pub(super) fn departure(
     sheet: &FrfSheet,
     hits: &[&Record],

@@ -8,8 +8,8 @@ use super::estimate;
 use super::sheet::FrfSheet;
 use crate::{InStep, RodlabError};
 
-/// Fraction of the maximum of the mean spectrum at which the spectrum of the input ends; it is -20
-/// dB.
+/// Fraction of the maximum of the mean autospectrum at which the spectrum of the input ends; 0.01
+/// is -20 dB.
 const END: f64 = 0.01;
 /// Maximum number of spectra of single hits in the figure.
 const MOST_HITS: usize = 10;

@@ -17,7 +17,7 @@ const N_BUCKETS: usize = 400;
 const KHZ: f64 = 1e-3;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// Data drawn for every line, thinned.
+/// Indices of the lines that are drawn, and their frequencies \[kHz\].
 struct Drawn {
     kept: Vec<usize>,
     frequency: Vec<f64>,

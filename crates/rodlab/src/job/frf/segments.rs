@@ -143,8 +143,8 @@ fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Refuses records or channels that are the same measurement. A channel with many samples at its
-/// extreme value is a reason for doubt.
+/// Refuses records or channels with identical samples. A clipped channel, which has more samples at
+/// an extreme value than at neighbouring values, puts the result in doubt.
 fn check_measurements(
     records: &[NamedRecord],
     channels: &[&str],

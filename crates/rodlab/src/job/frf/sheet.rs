@@ -53,10 +53,10 @@ pub struct FrfSheet {
     /// of rest before the impact), `Nothing`, `Mean` (default for segments) or `Line`.
     pub detrend: Option<DetrendSheet>,
     /// Time before an impact in which the channels are at rest, such as `"20 ms"`. The noise for
-    /// `Hs`, and the bias of the other estimators, are determined in it. By default the pre-trigger
-    /// of hits that are cut by a trigger, less the rise time of the impact, or else the rest found
-    /// in the records. For segments, the time without excitation at the beginning of each record,
-    /// after which the segments begin; by default none.
+    /// `Hs`, and the bias of the other estimators, are determined from this time. By default the
+    /// pre-trigger of hits that are cut by a trigger, less the rise time of the impact, or else the
+    /// rest found in the records. For segments, the time without excitation at the beginning of
+    /// each record, after which the segments begin; by default none.
     pub silent: Option<Exact<Duration>>,
     /// Frequency range of the result; by default all lines above 0 Hz.
     pub band: Option<BandSheet>,
@@ -112,8 +112,7 @@ impl FrfSheet {
         })
     }
 
-    /// Returns the defaults of the fields that the sheet does not state, except those of records
-    /// and hits.
+    /// Returns the defaults of optional fields, except those of records and hits.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let detrend = match self.segments {
             None => "rest before the impact, if there is any",

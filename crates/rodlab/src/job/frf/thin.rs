@@ -1,12 +1,12 @@
 //! Choice of the lines of a response that are drawn, common to all of its curves.
 //!
-//! Figures are thinned when they are drawn, curve by curve. The curves of a response are thinned
-//! before, so that the phase is interrupted where it wraps from one drawn line to the next.
+//! All curves of a response are thinned to the same lines before the phase is interrupted where it
+//! wraps. Otherwise each curve would be thinned by itself when it is drawn.
 
-/// Returns the indices of about four times `n_buckets` lines: the first and the last line, and for
-/// each curve the lines with the smallest and the largest ordinate, in each of `n_buckets` intervals
-/// of equal width on a logarithmic axis of the increasing `x`. Values that are not positive form an
-/// interval of their own. All lines are kept if there are fewer.
+/// Returns the indices of the lines that are drawn. In each of `n_buckets` intervals of equal width
+/// on a logarithmic axis of the increasing `x`, these are the first and the last line and, for each
+/// curve, the lines with its smallest and its largest ordinate. Values of `x` that are not positive
+/// form an interval of their own. All lines are kept if there are at most `4 * n_buckets`.
 #[allow(
     clippy::indexing_slicing,
     reason = "x and every curve have the same length, and the indices are below it"
@@ -33,7 +33,7 @@ pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) ->
     while start < n {
         let here = bucket(start);
         let mut end = start + 1;
-        // values that are not finite (0 Hz on a logarithmic axis) form a bucket of their own
+        // the logarithm of 0 Hz is not finite, and this line forms a bucket of its own
         while end < n && bucket(end).total_cmp(&here).is_eq() {
             end += 1;
         }
@@ -74,7 +74,7 @@ mod tests {
         assert!(kept.contains(&4321) && kept.contains(&0) && kept.contains(&9999));
         assert!(kept.len() <= 410 && kept.is_sorted(), "{}", kept.len());
         assert_eq!(logarithmically(&x[..50], &[&y[..50]], 100).len(), 50);
-        // an axis of length zero
+        // all lines at the same frequency
         assert!(!logarithmically(&[1.0; 50], &[&[0.0; 50]], 2).is_empty());
     }
 }

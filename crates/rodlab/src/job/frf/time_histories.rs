@@ -74,7 +74,7 @@ fn blow(sheet: &FrfSheet, drawn: &[FoundHit<'_>]) -> Option<Range<f64>> {
     (margin > 0.0 && about.end - about.start < 0.3 * duration).then_some(about)
 }
 
-/// Returns the panel with the histories of one channel in the time `about` \[ms\].
+/// Returns the panel with the histories of one channel in the time range `about` \[ms\].
 fn panel(
     sheet: &FrfSheet,
     drawn: &[FoundHit<'_>],

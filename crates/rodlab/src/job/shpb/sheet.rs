@@ -185,7 +185,7 @@ impl ShpbSheet {
         std::iter::once(first).chain(further)
     }
 
-    /// Returns the defaults of the fields that the sheet does not state.
+    /// Returns the defaults of optional fields.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let mut defaults = Vec::new();
         let sides = [

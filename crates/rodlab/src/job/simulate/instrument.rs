@@ -359,7 +359,7 @@ impl InstrumentSheet {
             .transpose()
     }
 
-    /// Returns the defaults of the fields that the sheet does not state.
+    /// Returns the defaults of optional fields.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let anti_alias = format!("linear phase, half amplitude at {} Hz", self.cutoff_hz());
         let mut defaults = vec![
