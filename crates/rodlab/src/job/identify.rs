@@ -250,8 +250,8 @@ impl Found {
             .map_or_else(of_excitation, NarrowedBand::to_string)
     }
 
-    /// Returns true if the law at this place of the comparison was fitted, the data do not
-    /// determine its damping, and the comparison does not refute an elastic rod.
+    /// Returns true if the fit of the inelastic law at `place` of the comparison converged without
+    /// determining the damping, and the comparison does not refute an elastic rod.
     fn is_without_damping(&self, place: usize) -> bool {
         let comparison = self.comparison.as_ref();
         let law = comparison.and_then(|found| found.laws.get(place)?.law);
@@ -382,7 +382,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             .in_step("comparing the laws")
     };
     let mut comparison = None;
-    // misfit of the best law with the errors of the transducers as stated, set if a law explains
+    // misfit of the best law with the errors of the transducers as stated; set if a law explains
     // the data only with additional errors of the transducers
     let mut misfit_as_stated = None;
     if sheet.compare {

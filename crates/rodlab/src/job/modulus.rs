@@ -260,7 +260,7 @@ pub(super) fn run_with(
     outcome.figures = std::mem::take(&mut measured.figures);
     outcome.summary.extend(measured.in_words.clone());
     outcome.warnings = std::mem::take(&mut measured.warnings);
-    // a fault of single hits may cause the later doubts, and is named before them
+    // faults of single hits are named first, because they may cause the doubts that follow
     outcome.doubt_all(&measured.doubts);
     context.has_read_all(&outcome.inputs, &outcome.warnings)?;
     let Some(spectra) = &measured.spectra else {
@@ -301,7 +301,8 @@ pub(super) fn run_with(
     };
 
     match found.calibration {
-        // a draw reports no results for the sensors: they would be those of the drawn sensors
+        // a Monte Carlo draw does not report the errors of the sensors, because its errors are
+        // drawn
         _ if context.draw.is_some() => {}
         Some(calibrated) => calibration::state(&mut outcome, sheet, &measured, calibrated),
         None => calibration::state_none(&mut outcome, sheet, &measured),

@@ -40,7 +40,7 @@ struct Number<'a> {
     unit: &'a str,
     value: f64,
     standard_error: f64,
-    /// True if the number is valid; only then does a difference count.
+    /// True if the number is valid; differences of invalid numbers are ignored.
     used: bool,
 }
 
@@ -277,8 +277,8 @@ impl Place {
                     .filter(same)
                     .or_else(|| drawn.tables.iter().find(same))?;
                 let at = cell(known, 0, row)?;
-                // rows are found by their first column, because a line without a result shifts the
-                // rows after it
+                // rows are found by their first column, because a line without a result in the draw
+                // shifts the rows after it
                 let row = (0..=row)
                     .rev()
                     .take_while(|row| cell(other, 0, *row).is_none_or(|other| other >= at))

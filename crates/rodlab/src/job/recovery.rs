@@ -197,7 +197,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     };
     statement::state(&mut outcome, &found);
     if matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
-        // a model with an unidentified parameter predicts nothing
+        // predictions require a model whose parameters are all identified
         found.predictions.clear();
     }
     outcome.tables = curves::tables(&found).in_step("predicting a recovery")?;

@@ -423,7 +423,7 @@ fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut
         100.0 * change.relative
     );
     // because the lines end at a finite frequency, jumps of the impulse response are spread ahead
-    // of the impulse: this part of the change is no fault of the lines
+    // of the impulse: a change to a causal body therefore does not show that the lines are wrong
     let by_end = onto != Projection::Passive;
     let onto = match onto {
         Projection::Passive => "passive",

@@ -127,7 +127,8 @@ fn defaults(
 const GENERATED: f64 = 3.0;
 
 /// Reports the objections to the prediction. There is no answer if a contact is not resolved, or if
-/// a body generates energy; with a measured body, only if this energy exceeds its error.
+/// a body generates energy. For a measured body, energy within three of its standard errors gives
+/// only a warning.
 fn flags(march: &UncertainPrediction, bodies: [&FaceBody; 2], outcome: &mut Outcome) {
     let errors = march.errors();
     let error_of_inner = |body: usize| -> Option<f64> {
@@ -232,7 +233,7 @@ fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcom
         None => "neither body is free, so there is no coefficient of restitution".to_owned(),
         Some(e) => format!(
             "the coefficient of restitution is {}",
-            // a smaller error comes from the time step and affects none of the four digits
+            // an error of at most 1e-4 of the value is less than about one unit of the fourth digit
             match error(&|n| n.restitution) {
                 Some(error) if error > 1e-4 * e => with_error(Some(e), Some(error)),
                 _ => significant(e, 4),

@@ -182,7 +182,7 @@ fn sources(march: &UncertainPrediction) -> Option<Figure> {
 
 fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
     // three decades, up to the highest line or, without lines, up to 100 periods in the duration,
-    // which steps of a thousandth of the duration would resolve
+    // so that each period has ten steps of a thousandth of the duration
     let highest = sheet
         .lines
         .as_ref()

@@ -148,7 +148,7 @@ impl<'a> SheetDraws<'a> {
     ) -> Result<Self, RodlabError> {
         let chosen = sheet.uncertainty.clone().unwrap_or_default();
         let mut random = ChaCha8Rng::seed_from_u64(chosen.seed.unwrap_or(SEED));
-        // one trial draw counts the uncertain quantities
+        // a trial draw counts the uncertain quantities
         let mut of_bodies = Draws::by(&mut random);
         drawn_bodies(sheet, materials, bodies, &mut of_bodies)?;
         let bodies_differ = of_bodies.n_drawn > 0;
@@ -259,8 +259,8 @@ pub(super) fn in_words(spread: Option<&Spread>) -> String {
     }
 }
 
-/// Returns a frequency in kHz, rounded to 1 mHz: a line spacing from a rounded sampling rate is not
-/// known better.
+/// Returns a frequency in kHz, rounded to 1 mHz: a line spacing computed from a rounded sampling
+/// rate is not more accurate.
 pub(super) fn khz(hz: f64) -> f64 {
     (1e3 * hz).round() / 1e6
 }

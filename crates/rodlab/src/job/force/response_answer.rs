@@ -18,7 +18,7 @@ const DRAWS: usize = 1000;
 const CHI_SQUARE: f64 = 1.5;
 
 /// Fraction of the response that may remain unexplained whatever the noise is, because of sampling
-/// and of values with eight digits.
+/// and because values are stored with eight digits.
 const LEAST_RESIDUAL: f64 = 2e-3;
 
 /// Largest ratio of the mean square error of reconstructed calibration hits to the stated mean

@@ -9,8 +9,8 @@ use crate::digits::significant;
 use crate::sheet::BandSheet;
 
 /// Fraction of the largest spectral amplitude that may be left at the end of the band. In virtual
-/// impacts on rods, the peak was too low by up to 7 of its errors in half of the records with 9 %
-/// left, and in no record with 5 % left.
+/// impacts on rods, with 9 % left the peak was too low by up to 7 standard errors in half of the
+/// records; with 5 % left it was not too low in any record.
 const LEFT: f64 = 0.07;
 
 /// Part of the band, at its end, over which the amplitude is averaged.

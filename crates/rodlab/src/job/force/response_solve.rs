@@ -25,12 +25,12 @@ const FEWEST_HITS: usize = 3;
 /// equations for this time are dense.
 const LONGEST: usize = 512;
 
-/// Fraction of the peak that the force by division may reach at other times without counting as a
-/// force there.
+/// Fraction of the peak that the force by division may reach outside the assumed duration without
+/// being taken for a force.
 const ELSEWHERE: f64 = 0.1;
 
-/// Largest force next to a window, relative to the largest force further away, above which the
-/// force is taken to continue outside the window.
+/// Largest force within twice the span of the assumed duration but outside that duration, relative
+/// to the largest force outside twice the span, above which the force is taken to last longer.
 const CONTINUES: f64 = 2.0;
 
 /// Durations that are tried for the force, as multiples of the duration of the calibration hits.
@@ -329,9 +329,9 @@ impl HitsInBand {
     }
 }
 
-/// Returns true if the largest `force` in `wider` outside of `window` is more than [`CONTINUES`]
-/// times the largest further away. Returns false if there are fewer samples further away than in
-/// `wider`.
+/// Returns true if the largest `force` inside `wider` but outside `window` is more than
+/// [`CONTINUES`] times the largest outside `wider`. Returns false if fewer samples are outside
+/// `wider` than inside.
 fn continues(force: &[f64], window: &Range<usize>, wider: &Range<usize>) -> bool {
     let largest = |ranges: [Range<usize>; 2]| {
         let parts = ranges.into_iter().flat_map(|range| force.get(range));
@@ -344,8 +344,8 @@ fn continues(force: &[f64], window: &Range<usize>, wider: &Range<usize>) -> bool
 
 /// Returns the time in which the force acts, about the peak of the force by division. It is as long
 /// as the calibration hits, or as the least multiple of their duration beyond which the force does
-/// not continue. Returns `None` if there is force at other times; ringing outside this time is
-/// allowed as far as the calibration hits ring in the same band.
+/// not continue. Returns `None` if the force at other times exceeds [`ELSEWHERE`] of the peak plus
+/// [`RINGING`] times the ringing of the calibration hits in the same band.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,

@@ -164,8 +164,8 @@ impl Left {
         let Some(compared) = self.excluded(law.law, comparison) else {
             return Standing::Possible;
         };
-        // the data do not reject a law that explains them: it is excluded because another law is
-        // more probable
+        // a law with an acceptable misfit is not rejected by the data; it is excluded because
+        // another law is more probable
         let (excluded, misfit) = match compared.adequacy {
             Some(p) if p < ADEQUACY_LEVEL => ("rejected", probability(p)),
             Some(p) => ("less probable", format!("{p:.3}")),
@@ -311,7 +311,8 @@ fn residual_above(law: &FittedLaw) -> Option<f64> {
     })
 }
 
-/// Warning about a difference between tests that a nonlinear law absorbs.
+/// Warning that unstated differences in temperature between the tests may change the exponent of a
+/// nonlinear law.
 const UNSTATED_TEMPERATURES: &str = "The temperatures of the tests are not stated. If the tests at one velocity were a few kelvin warmer, their strain rate was higher, and the exponent of a nonlinear law absorbs this difference: repeat the first velocity at the end, and state `temperature` of each test.";
 
 /// Returns the disagreement of a test with the others, if there is one.

@@ -89,7 +89,7 @@ pub struct DifferentiatorSheet {
 }
 
 impl Default for DifferentiatorSheet {
-    /// Nine points and degree 4, which lose a hundredth of the slope at a tenth of the sampling
+    /// Nine points and degree 4, with which a slope is 1 % too small at a tenth of the sampling
     /// rate.
     fn default() -> Self {
         Self {
@@ -133,8 +133,8 @@ fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, Rod
     test.with_recorder(&filter).in_step("recorder")
 }
 
-/// Number of pairs of equal samples at the beginning of a history that show a noise below the step
-/// of its converter.
+/// Number of pairs of successive samples at the beginning of a history. If the samples of every
+/// pair are equal, the noise is below the step of the converter.
 const STILL: usize = 16;
 
 /// Temperature difference \[K\] up to which a law without activation gives no warning.
@@ -494,13 +494,13 @@ const KEPT_AFTER_END: usize = 64;
 /// cut by default.
 const KEPT_BEFORE_ARRIVAL: usize = 200;
 
-/// Number of passages of the wave after its arrival that are kept in such a record, if
-/// [`LONGEST_RECORD`] allows it.
+/// Number of travel times between the two sections that are kept after the arrival at the free end,
+/// if a record is cut by default and [`LONGEST_RECORD`] allows it.
 const KEPT_PASSAGES: usize = 10;
 
-/// Returns the samples that are used of a long record if its recorder is part of the model and
-/// neither `from` nor `to` is stated: a quiet part before the arrival of the wave, and several
-/// passages after it.
+/// Returns the first sample and the end of the part that is used of a long record if its recorder
+/// is part of the model and neither `from` nor `to` is stated: a quiet part before the arrival of
+/// the wave, and several passages after it.
 fn about_arrival(
     record: &Record,
     test: &TestSheet,

@@ -15,8 +15,8 @@ fn with_unit(value: f64, unit: &str, digits: usize) -> String {
         .to_owned()
 }
 
-/// Standard error of a logarithm above which not even the order of magnitude is known; it is a
-/// factor of 20.
+/// Standard error of ln of a parameter above which not even the order of magnitude of the parameter
+/// is known; 3 is the logarithm of a factor of 20.
 const UNKNOWN_ORDER: f64 = 3.0;
 
 /// Returns a parameter in words, such as `E = 2.601 GPa ± 0.1 %`, with the verdict if the data do

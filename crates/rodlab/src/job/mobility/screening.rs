@@ -1,5 +1,5 @@
-//! Screening, which checks if the mobility can be that of a passive and causal body, and impulse
-//! response.
+//! Screening, which checks whether the mobility can be that of a passive and causal body, and
+//! impulse response.
 
 use std::sync::Arc;
 
@@ -140,8 +140,8 @@ fn impulse_response(
     };
     let kernel = match Kernel::of(body, grid, Quadrature::CellAverages) {
         Ok(kernel) => kernel,
-        // without an impulse response the mobility is still valid: a law for real frequencies may
-        // have no limit at 0 Hz
+        // a mobility is valid without an impulse response; for example, a law that is known only at
+        // real frequencies may have no limit at 0 Hz
         Err(error) => {
             let why = std::error::Error::source(&error)
                 .map_or_else(String::new, |source| format!(": {source}"));
@@ -151,8 +151,8 @@ fn impulse_response(
     };
     let weights = kernel.weights();
     if known.body.is_none() {
-        // this level is a check. For a body that rings longer than the period, it is the level of
-        // the part that wraps around
+        // the level ahead of the impulse is a check of causality; if the body rings longer than the
+        // period, the level is due to the part of the response that wraps around
         let level = kernel.acausal() / weights.first().map_or(1.0, |w| w.abs());
         outcome.quantities.push(Quantity::of(
             "level of the impulse response ahead of the impulse",

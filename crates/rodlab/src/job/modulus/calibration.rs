@@ -18,13 +18,13 @@ const CONTRADICTS: f64 = 3.29;
 /// part is reported.
 const UNEXPLAINED: f64 = 1.5;
 
-/// Ratio of the unexplained part to the noise above which the result is in doubt. Correct virtual
-/// records did not exceed 1.3; hum, drift or bending moved the loss factor by six of its errors
-/// from a ratio of 3.5 on.
+/// Ratio of the unexplained part to the noise above which the result is in doubt. In correct
+/// virtual records the ratio was at most 1.3; in records with hum, drift or bending, the loss
+/// factor was wrong by six standard errors at a ratio of 3.5.
 const DOUBTED: f64 = 2.5;
 
-/// Unexplained part, relative to the modulus, that is never doubted: records without noise, as from
-/// a simulation, differ from the model by its numerical errors.
+/// Unexplained part, relative to the modulus, up to which the result is never in doubt: records
+/// without noise, such as simulated ones, differ from the model by numerical errors.
 const NEVER_DOUBTED: f64 = 1e-4;
 
 /// Reports that the errors of the sensors are included as stated because the lines do not determine
@@ -74,7 +74,8 @@ pub(super) fn state(
         let Some(of_sensors) = OfSensors::of(source.source, sheet, measured) else {
             continue;
         };
-        // the lines usually determine the mass, and it is reported only if the sheet is wrong
+        // the lines usually determine the mass, and the result for it is reported only if it
+        // contradicts the sheet
         if source.source == ErrorSource::AccelerometerMass && !contradicts(source) {
             continue;
         }
@@ -115,7 +116,7 @@ pub(super) fn state(
             ));
         }
     }
-    // this doubt follows those about contradicted statements, which name the cause
+    // this doubt comes after the doubts about contradicted statements, because those name the cause
     if is_doubted {
         outcome.doubt(format!(
             "{unexplained}: hum, a drift or bending in the records, a wave that the model lacks, or an error of a sensor that is not stated changes the modulus, mostly in the lowest lines"

@@ -23,8 +23,8 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
         let why = format!("it is not propagated by {name}");
         exact(mass, "specimen.accelerometer_mass", &why)?;
     }
-    // the diameter matters only for the ratio of this mass to the mass of the rod, and for the
-    // correction of lateral inertia
+    // the diameter matters only for the ratio of the mass on the free end to the mass of the rod,
+    // and for the correction of lateral inertia
     let has_mass = mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0);
     let asked = sheet.lateral_inertia.as_ref();
     let is_corrected =

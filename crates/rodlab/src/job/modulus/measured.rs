@@ -46,8 +46,8 @@ pub enum SourceSheet {
         #[serde(default)]
         hits: HitsSheet,
         /// Silence of each record before the impact, such as `"2 ms"`. The noise is measured in it;
-        /// methods with gauges need it. By default, for hits cut by a trigger, the pre-trigger
-        /// minus 0.2 ms or minus a fifth of the pre-trigger, whichever is less.
+        /// methods with gauges need it. By default, for hits cut by a trigger, the pre-trigger less
+        /// 0.2 ms, or less a fifth of the pre-trigger if that is shorter than 0.2 ms.
         #[serde(default)]
         silent: Option<Exact<Duration>>,
         /// Exponential window on all gauges from the end of the silence on, for rods that ring

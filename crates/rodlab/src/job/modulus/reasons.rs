@@ -154,8 +154,8 @@ impl Reasons {
     }
 
     /// Returns a sentence with the remedy for the most frequent reason; `None` if there is no
-    /// general remedy. If a window cuts off a part of a pulse, the error of the cut exceeds that of
-    /// the noise, which more hits would reduce.
+    /// general remedy. If a window cuts off a part of a pulse, wider windows are advised, because
+    /// more hits reduce only the errors due to noise.
     pub(super) fn advice_in_words(&self) -> Option<String> {
         let (reason, _) = self.counts.first()?;
         if matches!(*reason, OF_MODULUS | OF_LOSS_FACTOR) && !self.cut_pulses.is_empty() {

@@ -14,11 +14,12 @@ use crate::outcome::Quantity;
 /// fraction of the frequency.
 const NEAR: f64 = 0.02;
 
-/// Largest number of valid lines that may all have a wrong number of waves.
+/// Largest number of valid lines for which the result can be in doubt because all of them may have
+/// a wrong number of waves.
 const FEW: usize = 3;
 
-/// Number of lines with a doubtful number of waves, for each valid line, from which the few valid
-/// lines are in doubt.
+/// Number of lines with a doubtful number of waves, per valid line, from which on such a result is
+/// in doubt.
 const UNCOUNTED: usize = 20;
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {
@@ -109,8 +110,8 @@ fn middle_of<'a>(
 }
 
 /// States E' on lines on which only the error of the loss factor exceeds its limit, if no line is
-/// valid. Returns false if these are less than half of the lines with a suitable wavelength,
-/// because with a reversed sensor some lines may have no other reason by chance.
+/// valid. Returns false if there are fewer of these lines than half of the lines with a suitable
+/// wavelength: with a reversed sensor, E' may be within its limits on some lines by chance.
 fn storage_modulus_alone(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) -> bool {
     let all = found.estimate.lines();
     let known = known(found.estimate);
@@ -441,8 +442,9 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
 mod tests {
     use super::*;
 
-    /// In a record of a rod of 2.4 GPa, mains hum left one of 1244 lines valid, with a modulus of
-    /// 0.6 MPa.
+    /// Tests that a few valid lines among many lines with a doubtful number of waves put the result
+    /// in doubt. The numbers 1 and 1243 are from a record of a rod of 2.4 GPa, in which mains hum
+    /// left one of 1244 lines valid, with a modulus of 0.6 MPa.
     #[test]
     fn a_line_beside_many_that_are_not_counted_is_in_doubt() {
         assert_eq!(

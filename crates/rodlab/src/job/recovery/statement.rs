@@ -15,7 +15,7 @@ use crate::outcome::{Quantity, finite, shown_unit};
 /// exceeds it by more, the model or the stated errors are wrong.
 const DEVIATIONS: f64 = 3.0;
 
-/// Probability by chance below which the tests contradict each other.
+/// p-value below which the tests contradict each other.
 const CONTRADICTED: f64 = 1e-3;
 
 /// States the verdict if no model could be fitted, and the results of each test alone.
@@ -30,7 +30,8 @@ pub(super) fn without_fit(
     of_single_tests(outcome, tests, singles, has_stated_errors(sheet));
 }
 
-/// Returns true if the standard errors of the readings are not taken from the residual.
+/// Returns true if the errors of the result are based on the standard errors of the readings, not
+/// on the residual.
 fn has_stated_errors(sheet: &RecoverySheet) -> bool {
     sheet.error_scale != Some(ErrorScale::FromResidual)
 }
@@ -52,7 +53,8 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
     }
     match unidentified {
         Some(reason) => {
-            // objections to a refused answer are warnings, which make no quantity invalid
+            // objections to a refused answer become warnings, which do not invalidate quantities,
+            // so the fitted quantities are invalidated here
             if let Some(objection) = objections(found).into_iter().next() {
                 let estimates = found.fit.estimates.iter().zip(&mut outcome.quantities);
                 let fitted = estimates

@@ -190,7 +190,7 @@ pub(super) fn shot(at: usize, of: usize) -> String {
     }
 }
 
-/// Reports the objections to a shot: as no answer, a doubt, or a warning.
+/// Reports the objections to a shot as a refusal, a doubt or a warning.
 pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &str) {
     for finding in &result.findings {
         let words = format!("{shot}{finding}");

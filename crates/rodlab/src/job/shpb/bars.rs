@@ -62,13 +62,14 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
     })
 }
 
-/// Ratio of the diameters of specimen and bar above which the specimen stands out beyond the bar.
+/// Ratio of the diameters of specimen and bar above which the specimen is refused as wider than the
+/// bar.
 const WIDER: f64 = 1.02;
 /// Largest length of a specimen, in diameters of the bar; a longer one is probably the bar itself.
 const LONGEST: f64 = 10.0;
 
 /// Refuses a specimen that is wider than a bar, because the bar then presses only on a part of it,
-/// and a specimen that is as long as a bar.
+/// and a specimen that is longer than [`LONGEST`] bar diameters.
 fn check_geometry(sheet: &ShpbSheet) -> Result<(), RodlabError> {
     let value = |stated: &Stated<Length>| stated.with_uncertainty().value;
     let ShpbSpecimenSheet {
@@ -131,7 +132,7 @@ fn bar(sheet: &BarSheet, materials: &Materials, side: &str) -> Result<HopkinsonB
 }
 
 /// Returns the material of a bar. If the material is stated by density and wave speed, these are
-/// moved by `of_density` and `of_speed` standard uncertainties.
+/// changed by `of_density` and `of_speed` times their standard uncertainties.
 fn material(
     sheet: &BarSheet,
     materials: &Materials,

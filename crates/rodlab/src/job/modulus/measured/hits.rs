@@ -40,7 +40,8 @@ pub(super) fn of_hits(
     let loaded = records.load(context.folder, "source.hits.records")?;
     if let Some(first) = loaded.records.first() {
         check_channels(&sheet.method, &first.record)?;
-        // a wrong rate has many consequences, so it is refused before them
+        // a band above the Nyquist frequency is refused first, because a wrong sampling rate has
+        // many other consequences
         if let Some(band) = &sheet.band {
             plausible::below_nyquist(&band.to, first.record.sampling_rate_hz(), "band.to")?;
         }

@@ -39,7 +39,7 @@ pub(super) fn figure<L: InelasticLaw>(
         .iter()
         .flat_map(|(_, _, values)| values)
         .fold(0.0_f64, |peak, v| peak.max(v.abs()));
-    // the curves of neighbouring sections touch at the peak
+    // the largest peak reaches the base line of the neighbouring section
     let scale = 1e3 * length / (COUNT - 1) as f64 / peak;
     let marks = histories
         .into_iter()
