@@ -388,7 +388,7 @@ fn tell(
             1 => "1 record".to_owned(),
             n => format!("{n} records"),
         };
-        // a generator that is named by the path of a module is left out of the sentence
+        // the name of a generator is left out if it is the path of a module
         outcome.say(if recorded.generator.contains("::") {
             format!("{records}.")
         } else {

@@ -14,7 +14,7 @@ pub(super) fn milliseconds(history: &ForceHistory) -> Vec<f64> {
     times(history).map(|time| 1e3 * time).collect()
 }
 
-/// The table with the limits of a band of the force.
+/// Returns `table` with columns for the limits of a band of the force.
 pub(super) fn with_band(table: Table, name: &str, band: &ForceBand) -> Table {
     table
         .numbers(format!("{name}, lower"), "N", &band.lower)

@@ -23,7 +23,8 @@ const MOST_PLANNED: f64 = 60.0;
 /// Expected ln of the Bayes factor that decides between two laws; it corresponds to odds of 20.
 const DECISIVE: f64 = 3.0;
 
-/// Tests that may be made next: one for each velocity, on each rod, with each number of repeats.
+/// Tests that may be made next: one for each combination of impact velocity, rod and number of
+/// repeats.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NextSheet {

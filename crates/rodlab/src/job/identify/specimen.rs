@@ -62,8 +62,8 @@ const USUAL_POISSON_RATIO: f64 = 0.4;
 const SHORTEST_WAVE: f64 = 3.0;
 
 /// Warns of a measured test that is evaluated without lateral inertia, and states the diameter from
-/// which on it matters. Warns also of waves that are too short for the theory of lateral inertia.
-/// `modulus` is Young's modulus \[Pa\].
+/// which on lateral inertia matters. Warns also of waves that are too short for the theory of
+/// lateral inertia. `modulus` is Young's modulus \[Pa\].
 fn tell_lateral_inertia(
     sheet: &IdentifySheet,
     found: &Found,

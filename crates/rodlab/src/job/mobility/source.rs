@@ -262,8 +262,7 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
     }
     let spacing_hz = up_to.si() / *lines as f64;
     let mut values = Vec::with_capacity(lines + 1);
-    // a long rod has a mobility at 0 Hz; a free or fixed body has none there, or its value is not
-    // used
+    // the value at 0 Hz is kept only if it is finite and the body is not free, as for a long rod
     values.push(match body.mobility(0.0) {
         Ok(value) if body.free_mass().is_none() && value.is_finite() => value,
         _ => Complex64::new(f64::NAN, f64::NAN),

@@ -18,8 +18,8 @@ const NEAR: f64 = 0.02;
 /// a wrong number of waves.
 const FEW: usize = 3;
 
-/// Number of lines with a doubtful number of waves, per valid line, from which on such a result is
-/// in doubt.
+/// Number of lines with a doubtful number of waves, per valid line, from which on at most [`FEW`]
+/// valid lines put the result in doubt.
 const UNCOUNTED: usize = 20;
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {

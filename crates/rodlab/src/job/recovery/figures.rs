@@ -56,7 +56,7 @@ fn model(
     ])
 }
 
-/// Replaces an edge that the tests do not determine by a gap.
+/// Replaces an infinite edge of a band, which the tests do not determine, by a gap.
 fn finite_or_gap(value: f64) -> f64 {
     if value.is_finite() { value } else { f64::NAN }
 }

@@ -88,7 +88,7 @@ fn stress_strain(
                 &scaled(&band_of_mean(&curve)?, 1e-6),
             ),
         ),
-        // too few samples have a rising strain
+        // the strain rises on too few samples for a band over strain
         Err(_) => (
             "at its time",
             around(

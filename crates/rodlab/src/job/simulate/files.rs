@@ -105,7 +105,6 @@ impl Naming {
     ) -> Result<Attachment, RodlabError> {
         let refused = |error| RodlabError::step(format!("writing {name}"), error);
         let mut contents = Contents::of_format("computed");
-        // the generator is written if the format has a place for it
         let property = |name: &str| vec![(name.to_owned(), generator.to_owned())];
         let (of_file, of_series) = match self.extension {
             "csv" | "npz" => (property("generator"), Vec::new()),
