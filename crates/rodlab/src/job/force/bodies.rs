@@ -195,7 +195,8 @@ impl FaceBody {
         lines_of(&*self.impact_body()?, frequency_step_hz, n_lines).in_step(field)
     }
 
-    /// Mobility at `frequencies_hz`, or on the measured lines among them.
+    /// Frequencies and mobilities: at `frequencies_hz` or, for a body that is known on lines only,
+    /// on its lines between the first and the last of `frequencies_hz`.
     pub(super) fn curve(
         &self,
         frequencies_hz: &[f64],

@@ -460,8 +460,8 @@ fn sensors(hit: &Record, [first, second]: [&str; 2]) -> Result<f64, LabioError> 
 }
 
 /// Returns the objection to each line: no information, a coherence that noise alone would reach, a
-/// value that is not well above the noise, or a bias due to the noise at rest that exceeds the random
-/// error.
+/// value below four standard errors of the neighbouring lines, or a bias due to the noise at rest
+/// that exceeds the random error.
 fn objections(
     response: &FrequencyResponse,
     coherences: &[Coherence],

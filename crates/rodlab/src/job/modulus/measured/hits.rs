@@ -22,7 +22,9 @@ use crate::sheet::{Duration, Exact, plausible};
 /// are determined from the silence before the hit.
 const FEWEST_HITS: usize = 2;
 
-/// Degrees of freedom of a variance below which the coverage factor of the error limits exceeds 11.
+/// Degrees of freedom of a variance below which a warning is given. With 10 degrees of freedom, the
+/// interval with the probability of five normal standard errors is 11 standard errors wide on
+/// either side.
 const FEW_DEGREES_OF_FREEDOM: f64 = 10.0;
 
 pub(super) fn of_hits(
