@@ -113,8 +113,8 @@ pub(super) fn trend(
 /// in a thousand times.
 const APART: f64 = 3.3;
 
-/// Reports the trend. A trend from hit to hit that changes E' in total by more than its standard
-/// error puts the result in doubt.
+/// Reports the trend. A trend from hit to hit that changes E' in total by more than the median
+/// standard uncertainty of the valid lines puts the result in doubt.
 pub(super) fn state(
     outcome: &mut Outcome,
     found: &Found<'_>,

@@ -84,8 +84,8 @@ pub(super) fn sources_of<'a>(lines: impl IntoIterator<Item = &'a ModulusLine>) -
     sources
 }
 
-/// Returns the table of the sources of the uncertainty of E' and of the loss factor on every line,
-/// in % of E' and in units of the loss factor. `None` if noise is the only source.
+/// Returns the table of the sources of the uncertainty on every line: of E' in % of E', and of the
+/// loss factor in absolute numbers. `None` if noise is the only source.
 pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
     let lines = found.estimate.lines();
     let sources = sources_of(lines);

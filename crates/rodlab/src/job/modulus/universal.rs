@@ -10,8 +10,8 @@ use crate::universal::{self, axis, property};
 /// Largest relative deviation of the line spacing that counts as even.
 const EVEN: f64 = 1e-9;
 
-/// Returns the file `ratio.uff` with the ratio and its coherence; `None` if the method has no ratio
-/// of equal quantities on evenly spaced lines.
+/// Returns the file `ratio.uff` with the ratio and its coherence; `None` if the ratio is not one of
+/// equal quantities, or its lines are not evenly spaced or not all finite.
 pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, RodlabError> {
     let method = &found.sheet.method;
     let Some(ratio) = found.ratio().filter(|_| method.one_quantity()) else {
@@ -51,7 +51,8 @@ pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, Rodlab
     universal::attachment(&contents, "ratio.uff").map(Some)
 }
 
-/// Returns the lines as start and step; `None` if they are not evenly spaced.
+/// Returns the frequencies as start and step; `None` if they are not evenly spaced, or a value of
+/// the ratio is not finite.
 fn even(ratio: &ResponseRatio) -> Option<Abscissa> {
     let frequency = &ratio.frequency_hz;
     let (first, last) = (*frequency.first()?, *frequency.last()?);

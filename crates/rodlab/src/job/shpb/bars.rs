@@ -169,8 +169,8 @@ fn material(
     .in_step(field)
 }
 
-/// Returns the variations of the materials. Every uncertain quantity of a material moves all bars
-/// of this material together.
+/// Returns the variations of the materials. Every uncertain quantity of a named material changes
+/// all bars of this material together.
 fn variations(sheet: &ShpbSheet) -> Result<Vec<MaterialVariation>, RodlabError> {
     let mut found = Vec::new();
     let sides = [
@@ -240,7 +240,7 @@ fn variations(sheet: &ShpbSheet) -> Result<Vec<MaterialVariation>, RodlabError> 
     Ok(found)
 }
 
-/// Replacement that moves one of the uncertain quantities of the materials, selected by its
+/// Replacement that changes one of the uncertain quantities of the materials, selected by its
 /// position in their order.
 struct MovesOne {
     target: usize,

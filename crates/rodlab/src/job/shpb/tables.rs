@@ -136,7 +136,7 @@ fn budget(result: &HopkinsonResult) -> Table {
         .numbers("largest error of the force difference", "N", of_forces)
 }
 
-/// Returns the half width of the 95 % band of the stress.
+/// Returns the half width of the 95 % band of the mean stress.
 pub(super) fn band_of_mean(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
     mean.expanded_uncertainty(LEVEL).in_step("bands")
 }

@@ -167,7 +167,7 @@ impl InstrumentSheet {
     }
 
     /// Returns the duration of the required histories after the impact \[s\]: up to the end of the
-    /// record, plus the length over which the filter acts.
+    /// record, plus 32 samples for the filter.
     pub(super) fn duration(&self) -> f64 {
         self.length.si() - self.before() + 32.0 / self.rate_hz()
     }
