@@ -23,7 +23,7 @@ impl Band {
     }
 }
 
-/// Returns the output channels, which must exist and differ from the input.
+/// Checks the input and output channels, and returns the output channels.
 pub(super) fn outputs_of(
     sheet: &FrfSheet,
     records: &Records,

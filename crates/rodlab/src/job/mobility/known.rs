@@ -19,7 +19,7 @@ use crate::{InStep, Outcome, RodlabError};
 /// Probability that chance alone marks at least one line of a passive body as generating energy.
 const LEVEL: f64 = 0.01;
 
-/// Maximum number of runs of lines that a log lists one by one.
+/// Maximum number of runs of neighbouring invalid lines that a log lists one by one.
 const LONGEST_LOG: usize = 40;
 
 /// The mobility and the data of every line.
@@ -245,8 +245,8 @@ fn judge_passivity(
     Ok(())
 }
 
-/// Logs the runs of invalid lines; if there are more than [`LONGEST_LOG`] runs, the number of lines
-/// for each reason.
+/// Logs the runs of neighbouring lines with the same objection; if there are more than
+/// [`LONGEST_LOG`] runs, the number of lines for each objection.
 #[allow(
     clippy::indexing_slicing,
     reason = "a run begins and ends with lines of the mobility, each of which has a frequency"

@@ -87,8 +87,9 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
     ))
 }
 
-/// Figure of all tests over time divided by their recovery times. According to equation 4 they form
-/// one curve, whatever the values of the parameters are.
+/// Figure of all tests, with changes divided by the initial change and times divided by the
+/// recovery time of each test. According to equation 4 the tests then form one curve, whatever the
+/// values of the parameters are.
 fn one_curve(found: &Found<'_>) -> Figure {
     let mut marks = Vec::new();
     let mut farthest: f64 = 10.0;
