@@ -83,7 +83,8 @@ fn stick_by_fourier(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A force on 2 x 2048 measured lines with the band of the whole history, to first order.
+/// Measures a stick force of 2 x 2048 lines with its simultaneous band, the errors of the lines
+/// being propagated to first order.
 fn stick_with_its_band(criterion: &mut Criterion) {
     let step_hz = 5.0;
     let line = |k: usize| Complex64::new(0.0, TAU * step_hz * k as f64);
@@ -155,7 +156,7 @@ fn march(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The rigid march by sums over the whole past.
+/// The march with a rigid contact by direct summation over all earlier steps.
 fn directly(kernel: &[f64]) -> Vec<f64> {
     let mut force: Vec<f64> = Vec::with_capacity(kernel.len());
     for n in 0..kernel.len() {

@@ -1,6 +1,6 @@
-//! The force of a blow from the accelerations of both faces of the struck rod: by dividing spectra,
-//! and by least squares over the time when the force acts, with both sensors, without tension, with
-//! a band that contains the whole history.
+//! The force of a blow from the accelerations of both faces of the struck rod, found by dividing
+//! spectra and by least squares. The least squares use both sensors, restrict the force to the time
+//! when it acts, exclude tension, and give a band that contains the whole history.
 //!
 //! ```text
 //! cargo run --release --package impulse --example force_from_response

@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let impact = Impact::between(&body, &rod).at_velocity(velocity);
         let as_in_paper = impact.stick_force_on_lines(LineBand::PAPER_E)?;
         let peak = as_in_paper.history.peak();
-        // the ringing of the jump is 2 % of it, and less where the contacts end
+        // the ringing after the jump is about 2 % of the jump where the contacts end
         let ended = separate(&as_in_paper.history, 0.02 * peak.force)?;
         let end = match ended.end {
             ContactEnd::Separated { time } => time,

@@ -223,8 +223,8 @@ mod tests {
 
     #[test]
     fn a_pull_of_just_the_threshold_is_still_ringing() {
-        // a force of exactly minus the threshold does not end the contact, a force one digit lower
-        // does
+        // a force of exactly minus the threshold does not end the contact; the next lower
+        // floating-point number does
         let at = separate(&history(&[0.0, 4.0, -0.25, 2.0, 1.0]), 0.25).unwrap();
         assert_eq!(at.end, ContactEnd::InContact);
         let below = separate(&history(&[0.0, 4.0, (-0.25_f64).next_down(), 2.0]), 0.25);

@@ -229,7 +229,8 @@ mod tests {
                     .map(|k| law.force(memory, from + (f64::from(k) + 0.5) * way) * way)
                     .sum();
                 let work = law.work(memory, from, to);
-                // error of the midpoint rule where the force has a kink in a step: `way`² dF/dδ
+                // tolerance: error of the midpoint rule in the step where the slope of the force
+                // jumps
                 assert!(
                     (work - sum).abs() < 1e-6 * work.abs(),
                     "{law:?} {work} {sum}"

@@ -119,9 +119,9 @@ impl ForceError {
         }
     }
 
-    /// Adds errors of the lines of a period of `n_period` samples. The mean over `reference` is
-    /// then added to all samples with the given sign, like a constant that is read from the force
-    /// itself.
+    /// Adds errors of the lines of a period of `n_period` samples. The mean error over `reference`
+    /// is then added to all samples with the given sign, as for a constant that was determined from
+    /// the force itself.
     #[allow(
         clippy::indexing_slicing,
         reason = "there are sums for two periods, places in the period are taken modulo it, and a mean is over one period at most"
@@ -466,8 +466,8 @@ mod tests {
         }
         for (n, sum) in squares.iter().enumerate() {
             let found = (sum / f64::from(n_draws)).sqrt();
-            // five times 1/sqrt(2*4000) = 1.1 %, the standard error of a standard deviation, for 48
-            // comparisons
+            // tolerance: five times the standard error of a standard deviation, 1/sqrt(2*4000) =
+            // 1.1 %, because 48 samples are compared
             let ratio = found / error.standard_error()[n];
             assert!((ratio - 1.0).abs() < 0.056, "{n} {ratio}");
         }
@@ -491,8 +491,9 @@ mod tests {
             samples += pointwise.part_inside(&drawn, 0..48);
             histories += simultaneous.part_inside(&drawn, 0..48).floor();
         }
-        // sqrt(0.05*0.95/2000) = 0.5 % for these draws, and as much for the factor; the limit for
-        // the histories is three standard errors of the sum
+        // tolerance: the count over 2000 draws has a standard error of sqrt(0.05*0.95/2000) = 0.5
+        // %, and the factor of the band contributes as much; three standard errors for the whole
+        // histories
         assert!(
             (samples / f64::from(n_draws) - 0.95).abs() < 0.015,
             "{samples}"

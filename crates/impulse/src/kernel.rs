@@ -255,8 +255,9 @@ impl Front {
     }
 }
 
-/// Returns s divided by the rate at which a body is evaluated: near the frequency axis, where the
-/// lines are, but, if the body is known off the axis, far enough from it for echoes to decay.
+/// Returns the complex number by which a rate [1/s] is multiplied to give the Laplace variable s of
+/// an evaluation. It is i for a body that is known only on the frequency axis or on lines; for a
+/// body known in the right half-plane it has a real part, with which the echoes decay.
 fn direction(domain: Domain) -> Complex64 {
     match domain {
         Domain::RightHalfPlane => Complex64::new(OFF_AXIS, 1.0),
@@ -264,8 +265,9 @@ fn direction(domain: Domain) -> Complex64 {
     }
 }
 
-/// Returns the mobility without echoes at the `rate` [1/s]. If only the frequency axis is known, it
-/// is the mean over frequencies, in which the echoes cancel.
+/// Returns the mobility without echoes at the `rate` [1/s]: the mobility off the frequency axis for
+/// a body known in the right half-plane, and otherwise the mean over frequencies, in which the
+/// echoes cancel.
 pub(crate) fn mobility_beyond(
     domain: Domain,
     rate: f64,

@@ -428,8 +428,8 @@ impl<'a> Reconstruction<'a> {
             let lost = lines.lost(filter, self.penalty(), value);
             let mean = lines.power.first().zip(force.first());
             return Ok(Solved {
-                // unknown under a window: all lines would contribute to the impulse, with the noise
-                // at the end of the record
+                // not computed under a window: the impulse would depend on all lines, and on the
+                // noise at the end of the record, which is amplified when the window is undone
                 impulse: mean
                     .filter(|(power, _)| **power > 0.0 && transformed.shift.is_none())
                     .map(|(_, mean)| mean.re * n_samples as f64 * time_step),
@@ -477,8 +477,8 @@ impl<'a> Reconstruction<'a> {
             .then(|| problem.inverse(Filter::None, 0.0));
         let plain = inverse.as_ref().map(|inverse| by(&problem, inverse));
         if let Some(plain) = &plain {
-            // the sums are no longer sums of squares: the unexplained part is that of a force
-            // without regularisation
+            // the informed sums are not sums of squares of the responses: the unexplained part is
+            // computed from the force without regularisation
             let force = fourier::to_spectrum(&in_record(plain));
             problem.modes.unexplained =
                 transformed.chi_square(&force, &transformed.power_of(&force));

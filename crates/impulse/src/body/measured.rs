@@ -228,9 +228,9 @@ impl MeasuredBody {
     }
 
     /// Sets the front impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at the face, which
-    /// determines the mobility above the measured lines. Time marching needs it: no mean over
-    /// measured lines can replace it, since within one resonance spacing they vary about
-    /// $`1/Z`$ by any factor.
+    /// determines the mobility above the measured lines. Time marching needs it. A mean over
+    /// measured lines cannot replace it, because the lines between two resonances differ from
+    /// $`1/Z`$ by arbitrarily large factors.
     ///
     /// # Errors
     ///

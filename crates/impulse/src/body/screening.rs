@@ -272,7 +272,7 @@ impl MeasuredBody {
                     continue;
                 }
                 let distance = value / square.sqrt();
-                // an infinite distance, of lines without variance, also counts
+                // lines without variance have an infinite distance and are included
                 if below(distance, square * square / by_freedom) < LEVEL / n_trials as f64 {
                     let from = index * width;
                     add(from, from + width, from + width / 2, -distance);

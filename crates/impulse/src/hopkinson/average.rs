@@ -270,7 +270,7 @@ impl Read {
             places.iter().map(|place| between(values, *place)).collect()
         };
         let stress = read(shot.curves.of(Curve::Stress));
-        // slope over ten places, to exclude the noise of single samples
+        // slope over ten intervals of the strains, to suppress the noise of single samples
         let slope: Vec<f64> = (0..strains.len())
             .map(|at| {
                 let (low, high) = (at.saturating_sub(5), (at + 5).min(strains.len() - 1));

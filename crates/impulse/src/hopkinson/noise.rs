@@ -106,7 +106,8 @@ impl QuietNoise {
         let lines = transform.forward();
         let of_line = last as f64 / (lines.len().max(2) - 1) as f64;
         for (k, line) in lines.iter_mut().enumerate() {
-            // the level was subtracted: the lines next to 0 take the power of the next line
+            // the mean was subtracted before the power was estimated: lines 0 and 1 of a segment
+            // contain too little power and are replaced by line 2
             let place = (k as f64 * of_line).max(2.0);
             *line *= at_place(&self.power, place).sqrt() / n as f64;
         }

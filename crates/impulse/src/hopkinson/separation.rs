@@ -44,7 +44,7 @@ impl BarLines {
         };
         for line in 0..plan.weight.len() {
             let (gamma, speed) = if line == 0 {
-                // line 0 stands for the frequencies up to halfway to the next line
+                // line 0 represents the frequencies up to halfway to the next line
                 let omega = 0.5 * plan.omega(1);
                 let speed = Complex64::new(0.0, omega) / bar.propagation(omega)?;
                 (Complex64::ZERO, Complex64::from((speed * speed).re.sqrt()))

@@ -20,9 +20,10 @@ use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
 use crate::error::{check_enough, check_length};
 
-/// Smallest peak of the reflected wave with the sign opposite to that of the incident wave,
-/// relative to its largest value of either sign, for this peak to count as that of the loading. A
-/// specimen that springs back reflects a greater wave when it is unloaded.
+/// Smallest peak of the reflected wave that is attributed to the loading, as a fraction of the
+/// largest value of the wave of either sign; the sign of the peak is opposite to that of the
+/// incident wave. A specimen that springs back reflects a larger wave of the other sign during
+/// unloading.
 const LOADS: f64 = 0.25;
 
 /// Number of draws of the noise: the standard deviation is then known to 7 %.
@@ -367,8 +368,8 @@ impl Quiet<'_> {
     /// Returns the standard deviation of all histories over draws of the noise and of all sources
     /// with their coarse effects.
     ///
-    /// A material is only given one standard uncertainty above and below its property: the effect
-    /// is assumed linear.
+    /// The effect of a material property is assumed linear, because its materials are given only at
+    /// one standard uncertainty above and below.
     fn scatter_of_all(
         &self,
         setup: &Setup,

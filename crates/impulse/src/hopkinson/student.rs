@@ -74,7 +74,8 @@ mod tests {
             for share in [0.05, 0.31, 0.77, 0.93, 1.0_f64] {
                 let exact = StudentsT::new(0.0, 1.0, freedom / share.powi(4)).unwrap();
                 let found = factors.half_width(1.0, share);
-                // compared by probability: quantiles of the library are off by some 1e-4
+                // probabilities are compared, because the quantiles of `statrs` have errors of
+                // about 1e-4
                 let off = exact.cdf(found) - 0.975;
                 assert!(off.abs() < 5e-6, "{freedom} {share}: {found} {off:e}");
             }

@@ -89,7 +89,8 @@ impl PathErrors {
                 let power = of_other_durations(blows);
                 power.into_iter().map(|power| scale * power).collect()
             }
-            // power of the calibration blows, from the noise and the variance that it has caused
+            // the power of the calibration blows is the noise of the responses divided by the
+            // variance of H that the noise has caused
             None => (0..n_lines)
                 .map(|line| {
                     let sensors = transformed.sensors.iter();
@@ -166,12 +167,12 @@ pub(super) fn energy_over(
             expected += by * told * blows[line];
         }
     }
-    // for noise alone: the energy that two standard deviations of the noise could hide
+    // noise may make the sum small or negative: it is at least two standard deviations of the noise
     let found = found.max(2.0 * scatter.sqrt());
     if expected > 0.0 {
         found / expected
     } else {
-        // nothing is determined, and nothing is assumed
+        // the responses determine no force, so the assumed power is unlimited
         f64::INFINITY
     }
 }

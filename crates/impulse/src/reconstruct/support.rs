@@ -59,7 +59,8 @@ impl Informed {
         let prior = toeplitz(&lags(&errors.prior, n_samples, length));
         let (values, vectors) = eigen(&prior, length)?;
         let largest = values.iter().copied().fold(0.0, f64::max);
-        // a component of such a great power needs no assumption
+        // components of nearly infinite assumed power are in effect unconstrained: the limit
+        // prevents a division by zero
         let least = largest * f64::EPSILON * length as f64;
         let whitening = Mat::from_fn(length, length, |i, j| {
             vectors[(i, j)] / values[j].max(least).sqrt()
@@ -187,7 +188,7 @@ impl SupportProblem {
         let rounding = length as f64 * f64::EPSILON * largest;
         let mut explained = 0.0;
         for (index, value) in values.iter().enumerate() {
-            // rounding contains no information
+            // a strength at the level of rounding carries no information
             let strength = if *value > rounding { *value } else { 0.0 };
             let energy = if strength > 0.0 {
                 let projection: f64 = right_side

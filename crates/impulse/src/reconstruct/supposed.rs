@@ -25,8 +25,8 @@ const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
 /// triangles to versed sines the exponent changes by factors of 0.7 to 1.3; rise and fall differ by
 /// a fifth of the half duration.
 const DEFORMATIONS: [f64; 2] = [0.25, 0.2];
-/// Deviation of the shape of a blow from the calibration blows that is assumed beyond the deviation
-/// by deformations, relative to it.
+/// Part of the shape of a blow that neither calibration blows nor deformations describe, as a
+/// fraction of the part that the deformations describe.
 const REMAINDER: f64 = 0.4;
 /// Number of variances s² of the shape that are tried, in half powers of ten from 1 down.
 const VARIANCES: u8 = 15;

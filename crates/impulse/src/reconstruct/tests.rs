@@ -14,7 +14,7 @@ fn respond(force: &[f64]) -> Vec<f64> {
     ring(RADIUS, force)
 }
 
-/// A resonator like [`respond`] with another radius r.
+/// The resonator of [`respond`] with another radius r.
 fn ring(radius: f64, force: &[f64]) -> Vec<f64> {
     let mut response: Vec<f64> = Vec::new();
     let past = |response: &[f64], n: usize, lag: usize| {
@@ -125,8 +125,8 @@ fn noise_is_amplified_by_the_stated_gain() {
             stated = found.noise_gain;
         }
         let found = (squares / n_trials as f64).sqrt() / level;
-        // four times 1/sqrt(2 * 4000) = 4.5 %: 20 trials of 2000 samples, which the gain
-        // correlates; they count as no fewer than a tenth as many independent ones
+        // tolerance: four times 1/sqrt(2 * 4000), 4.5 %; the 20 trials have 40 000 samples, which
+        // the method correlates and which are counted as 4000 independent ones
         assert!((found / stated - 1.0).abs() < 0.045, "{found} {stated}");
     }
 }
@@ -160,7 +160,7 @@ fn a_missing_mean_is_recovered_from_where_the_force_is_nothing() {
         .without_lines([0]);
     let without = problem.clone().solve().unwrap();
     let mean = force.iter().sum::<f64>() / N as f64;
-    // without a support the mean is missing, and nothing else
+    // without a support the only error is the missing mean
     assert!((error(&without, &force) - mean).abs() < 1e-9);
     assert_eq!(
         without.excluded,
@@ -201,12 +201,13 @@ fn a_band_keeps_its_lines_and_names_the_others() {
             .iter()
             .all(|line| line.reason == ExclusionReason::OutsideBand)
     );
-    // the lost part is the energy of the force's lines above the band, here by direct sums
+    // the error is the energy of the lines of the force above the band, computed here by direct
+    // sums
     let lost: f64 = (201..=N / 2)
         .map(|k| direct(&force, k).norm_sqr() * if k == N / 2 { 1.0 } else { 2.0 })
         .sum();
     let expected = lost.sqrt() / N as f64;
-    // 3 N of error against rounding of 1e-9 N
+    // tolerance: rounding of 1e-9 N in an error of 3 N
     assert!((error(&found, &force) / expected - 1.0).abs() < 1e-9);
 }
 
@@ -286,8 +287,8 @@ fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     (response, lines.collect())
 }
 
-/// All methods of choice come near the best parameter of their kind of regularisation, which is
-/// known only from the true force.
+/// Every method of choice comes near the best parameter for its kind of regularisation; the best
+/// parameter is found by comparison with the true force.
 #[test]
 fn the_chosen_parameter_is_near_the_best() {
     let (clean, h) = integrated();
@@ -366,7 +367,8 @@ fn the_curvature_is_that_of_the_curve() {
         let cross = first[0] * second[1] - first[1] * second[0];
         let numerical = cross / first[0].hypot(first[1]).powi(3);
         let found = modes.curvature(log.exp());
-        // error of central differences: step^2, and rounding divided by step^2
+        // tolerance: the error of the central differences, in proportion to step^2, and rounding
+        // divided by step^2
         let tolerance = 1e-5 * numerical.abs().max(1.0);
         assert!(
             (found - numerical).abs() < tolerance,
@@ -389,7 +391,8 @@ fn two_sensors_are_weighed_by_their_noise_on_every_line() {
     let both = Reconstruction::of_sensors(sensors.to_vec(), RATE).unwrap();
     let both = both.solve().unwrap();
     for k in [3, 90, 700] {
-        // the mean of two numbers, weighted by inverse variances, by direct sums
+        // the mean of the forces from either sensor, weighted by their inverse variances, by direct
+        // sums
         let quotients = [(0, &h1, 0.4_f64), (1, &h2, 5.0)].map(|(index, h, level)| {
             let quotient = direct(&responses[index], k) / h[k];
             (quotient, h[k].norm_sqr() / (level * level))
@@ -399,7 +402,7 @@ fn two_sensors_are_weighed_by_their_noise_on_every_line() {
         let found = direct(both.history.force(), k);
         assert!((found - mean).norm() < 1e-9 * mean.norm(), "{k}");
     }
-    // the noise is as stated: 2000 degrees of freedom, four times sqrt(2/2000)
+    // tolerance: 2000 degrees of freedom, four times sqrt(2/2000) = 0.13
     let chi_square = both.reduced_chi_square.unwrap();
     assert!((chi_square - 1.0).abs() < 0.13, "{chi_square}");
     let RandomErrorOfForce::Stated(stated) = &both.error else {
@@ -482,7 +485,8 @@ fn truncation_on_a_support_cuts_what_the_response_does_not_tell() {
     let found = problem.with_regularisation(cut).solve().unwrap();
     let (plain, cut) = (error(&plain, &force), error(&found, &force));
     assert!(cut < 0.3 * plain, "{cut} {plain}");
-    // white noise is estimated from 1949 degrees of freedom and more: four times 1/sqrt(2*1949)
+    // tolerance: the noise is estimated from at least 1949 degrees of freedom, four times
+    // 1/sqrt(2*1949)
     let RandomErrorOfForce::Estimated {
         standard_deviation, ..
     } = found.error
@@ -513,7 +517,8 @@ fn the_bias_of_a_shrunk_force_is_what_is_missing_to_first_order() {
             .collect();
         let left = found.regularisation_bias.iter().zip(&missing);
         let left = rms(left.map(|(estimate, missing)| estimate - missing));
-        // |H|^2 is at least 0.06 here: a part lambda/0.06 of the bias is of second order
+        // tolerance: |H|^2 is at least 0.06, so that a fraction lambda/0.06 of the bias is of
+        // second order
         let all = rms(missing.iter().copied());
         assert!(all > 1e-6 && left < 0.02 * all, "{left} {all}");
     }

@@ -68,19 +68,19 @@ fn linear_propagation_and_draws_agree() {
         let peak = stick.history.peak().force;
         let pairs = linear.standard_error().iter().zip(&drawn.stick_deviation);
         for (n, (linear, drawn)) in pairs.enumerate() {
-            // four times 1/sqrt(2*1500) = 1.8 %, and a second-order part of the order of the
-            // squared error of 5 %
+            // tolerance: four times 1/sqrt(2*1500) = 1.8 %, and effects of second order, which are
+            // of the size of the squared error of 5 %
             assert!((drawn / linear - 1.0).abs() < 0.08, "{n}: {drawn} {linear}");
         }
         for (mean, force) in drawn.stick_mean.iter().zip(stick.history.force()) {
-            // four times the error of a mean, and the same second-order part
+            // tolerance: four times the standard error of a mean, and the effects of second order
             assert!((mean - force).abs() < 0.01 * peak, "{mean} {force}");
         }
 
         let impact = separate(&stick.history, 20.0).unwrap();
         let end = linear.contact_end(&stick.history, &impact).unwrap();
         assert_eq!(end.verdict, EndVerdict::Linear);
-        // a claim compares their scatter with the standard error
+        // mean of the ends; a claim compares their scatter with the standard error
         let ends = &drawn.contact_ends;
         let mean = ends.iter().sum::<f64>() / ends.len() as f64;
         assert!(
@@ -88,7 +88,7 @@ fn linear_propagation_and_draws_agree() {
             "{mean} {end:?}"
         );
 
-        // the band of the contact: share of the drawn histories inside it, over all times
+        // fraction of the samples of all drawn histories inside the band
         let band = linear.pointwise(&stick.history, 0.95).unwrap();
         let band = contact_band(&band, &impact);
         let n_samples = stick.history.force().len();
@@ -98,8 +98,8 @@ fn linear_propagation_and_draws_agree() {
             .map(|force| band.part_inside(force, 0..n_samples))
             .sum();
         let inside = inside / f64::from(1500);
-        // times at which the force is surely zero count as covered; during contact the share is 95
-        // %
+        // samples outside the contact, where force and band are zero, count as inside; during the
+        // contact 95 % are inside
         assert!(inside > 0.95, "{inside}");
         let contact = 0..stick.history.index_near(0.5 * end.time).unwrap();
         let begin = stick.history.index_near(0.0).unwrap() + 1;
@@ -109,17 +109,18 @@ fn linear_propagation_and_draws_agree() {
             .map(|force| band.part_inside(force, begin..contact.end))
             .sum();
         let inside = inside / f64::from(1500);
-        // the scales correlate the errors over the contact, so that the fraction is as uncertain as
-        // that of several hundred draws: three times 0.7 %
+        // tolerance: three times 0.7 %; the errors of the scales are common to the whole contact,
+        // so that the fraction scatters as that of about 1000 independent draws
         assert!((inside - 0.95).abs() < 0.02, "{inside}");
         let by_draws = drawn.contact_band(0.95).unwrap();
         let at = stick.history.index_near(0.5 * end.time).unwrap();
-        // the quantiles at 2.5 % of 1500 draws have an error of 7 % of their distance
+        // tolerance: the distance of the 2.5 % and 97.5 % quantiles of 1500 draws has an error of 7
+        // %
         let width = |band: &ForceBand| band.upper[at] - band.lower[at];
         let ratio = width(&by_draws) / width(&band);
         assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
 
-        // the lists of a result may only be changed together
+        // lists of different lengths are refused
         let mut cut = drawn;
         cut.impact_forces[1].truncate(3);
         let refused = cut.contact_band(0.95).unwrap_err();
@@ -170,7 +171,8 @@ fn delays_act_as_differences_of_the_force_say() {
         assert!(largest > 0.0);
         for (n, error) in error.standard_error().iter().enumerate() {
             let difference = (changed.force()[n] - force.force()[n]).abs();
-            // second order, 1e-6, and rounding of the forces divided by the difference
+            // tolerance: effects of second order, 1e-6, and rounding of the forces divided by their
+            // difference
             assert!((difference - error).abs() < 1e-4 * largest, "{index} {n}");
         }
     }
@@ -192,8 +194,8 @@ fn an_end_is_flagged_where_it_is_not_linear() {
     assert!((end.standard_error - 2e-3).abs() < 1e-12);
     assert_eq!(end.verdict, EndVerdict::Linear);
 
-    // 0.05 N/ms^2 of curvature: two standard errors away, 4 ms, it is 0.8 N of 10; ten times as
-    // much is flagged
+    // a curvature of 0.05 N/ms^2 changes the force by 0.8 N at two standard errors, 4 ms, from the
+    // end: small compared with its standard error of 10 N. Ten times this curvature is flagged.
     for (curvature, is_linear) in [(0.05, true), (0.5, false)] {
         let bent: Vec<f64> = (0..40)
             .map(|n| {

@@ -23,11 +23,12 @@ const MASS_TOLERANCE: f64 = 1e-3;
 /// Number of standard errors allowed in addition to a tolerance.
 const BESIDE_TOLERANCE: f64 = 2.0;
 
-/// Number of combined standard errors by which the mass must differ from the weighed one if the
-/// error is that of the lines' own variances.
+/// Number of combined standard errors by which the mass must differ from the weighed mass if the
+/// standard error comes from the variances of the lines.
 const MASS_ERRORS: f64 = 3.0;
 
-/// Probability of noise alone at which the lowest lines count as those of no free mass.
+/// Probability that noise alone makes the lowest lines contradict a free body of the weighed mass,
+/// below which the contradiction is flagged.
 const NOT_FREE: f64 = 1e-3;
 
 /// Relative deviation of the front impedance that is never flagged: the impedance of a polymer

@@ -13,7 +13,7 @@ use crate::{ContactLaw, ImpactBody, MobilityLaw};
 const MASS: f64 = 0.5;
 const IMPEDANCE: f64 = 1000.0;
 const VELOCITY: f64 = 2.0;
-/// Three times 9 %, the relative error of a standard deviation from 60 draws.
+/// Tolerance: three times 9 %, the relative error of a standard deviation from 60 draws.
 const OF_DRAWS: f64 = 0.28;
 
 fn mass() -> impl ImpactBody + Send + Sync {
@@ -79,11 +79,11 @@ fn an_error_of_the_velocity_scales_the_force() {
         (numbers.limited_peak, errors.limited_peak),
         (numbers.impulse, errors.impulse),
     ] {
-        // three times 5 %, the relative error of a standard deviation
+        // tolerance: three times 5 %, the relative error of a standard deviation from 200 draws
         close(error.unwrap() / value.unwrap(), 0.03, 0.15);
     }
     let spread = found.spread.as_ref().unwrap();
-    // the 95 % quantile of 200 draws, known to 6 %
+    // tolerance: the 95 % quantile of 200 draws has a standard error of 6 %
     close(spread.simultaneous_factor(0.95), 1.96, 0.18);
     let band = found.simultaneous(0.95).unwrap().unwrap();
     let at = found.limited.index_near(5e-4).unwrap();
@@ -114,8 +114,8 @@ fn the_sources_of_a_band_are_those_of_the_closed_form() {
         let force = IMPEDANCE * VELOCITY * (-IMPEDANCE * time / MASS).exp();
         let exact = [0.03 * (1.0 - IMPEDANCE * time / MASS).abs(), 0.02];
         for ((_, part), exact) in spread.parts.iter().zip(exact) {
-            // three times 10 %, the relative error of a standard deviation from 48 draws; near t =
-            // M/Z the second order remains
+            // tolerance: three times 10 %, the relative error of a standard deviation from 48
+            // draws; near t = M/Z the effects of second order remain
             assert!(
                 (part[at] / force - exact).abs() < 0.3 * exact + 1e-3,
                 "{time}: {exact}"
@@ -174,7 +174,8 @@ fn a_force_that_fades_has_no_end() {
     assert!(!before_wall.predict(4e-3).unwrap().fades());
 }
 
-/// The kernel of a body that is not drawn is kept, and the march is that of the drawn pair.
+/// Replacing one drawn body keeps the kernel of the other; the march equals that of a newly created
+/// impact.
 #[test]
 fn a_drawn_body_replaces_its_own_kernel_only() {
     let (mass, stated) = (mass(), rod(IMPEDANCE));
@@ -190,8 +191,8 @@ fn a_drawn_body_replaces_its_own_kernel_only() {
     assert_eq!(replaced.predict().unwrap().history, fresh.history);
 }
 
-/// A truth whose velocity and impedance are measured with the stated errors: its jump Z V lies
-/// within the interval in 95 of 100 cases.
+/// Coverage of the 95 % interval of the peak: in 100 cases the velocity and the impedance of the
+/// rod are measured with the stated errors, and the interval must contain the true jump Z V.
 #[test]
 fn the_interval_of_the_peak_covers() {
     let mass = mass();
@@ -226,7 +227,7 @@ fn the_interval_of_the_peak_covers() {
         (jump - IMPEDANCE * VELOCITY).abs() < half
     });
     let inside = inside.count();
-    // three standard deviations of a binomial count
+    // tolerance: three standard deviations of a binomial count
     assert!((89..=100).contains(&inside), "{inside} of {cases}");
 }
 

@@ -81,8 +81,8 @@ impl HammerTest {
         }
     }
 
-    /// The force reconstructed after `change` of the problem, and the true one; with `is_old` the
-    /// plain normal equations are used.
+    /// The force reconstructed after `change` was applied to the problem, and the true force;
+    /// `is_old` selects the plain normal equations.
     fn solve(
         &self,
         seed: u64,
@@ -187,13 +187,13 @@ impl HammerTest {
     }
 }
 
-/// Shares of deviations within one and 1.96 standard errors.
+/// Fractions of the deviations within 1 and within 1.96 standard errors.
 fn within(deviations: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     let count = deviations.clone().count() as f64;
     [1.0, 1.96].map(|limit| deviations.clone().filter(|z| z.abs() < limit).count() as f64 / count)
 }
 
-/// Number of tests of a coverage: forty, or the value of `SEEDS`.
+/// Number of hammer tests from which a coverage is computed: 40, or the value of `SEEDS`.
 fn seeds() -> u64 {
     testbed::noise::draws(40)
 }
@@ -230,8 +230,8 @@ fn f1_peak_and_impulse_are_within_their_errors() {
             let impulses = within(all.iter().map(|off| off.impulse));
             let samples = within(all.iter().flat_map(|off| off.with_force.iter().copied()));
             println!("{level} {peaks:.3?} {impulses:.3?} {samples:.3?}");
-            // from forty tests a share of 68 % is known to 7 %, and one of 95 % to 3.5 %: three
-            // times that
+            // tolerance: three standard errors of a fraction from 40 tests, 7 % each at a fraction
+            // of 68 % and 3.5 % at 95 %
             for [one, two] in [peaks, impulses, samples] {
                 assert!(
                     (0.46..0.90).contains(&one) && two > 0.84,
@@ -242,8 +242,8 @@ fn f1_peak_and_impulse_are_within_their_errors() {
     }
 }
 
-/// The peak is not rounded off, although the plain normal equations reduce it by 17 N of 300 N, and
-/// noise of 1 % hides everything but the duration of a blow of ten samples.
+/// The peak is not reduced on average at noise of 0.3 % and 1 % of the largest response. The plain
+/// normal equations reduce it by 17 N of 300 N.
 #[test]
 fn f1_noise_of_the_path_does_not_shrink_the_force() {
     let test = HammerTest::default();
@@ -254,7 +254,8 @@ fn f1_noise_of_the_path_does_not_shrink_the_force() {
         found.history.peak().force - truth.iter().fold(0.0_f64, |top, f| top.max(*f))
     }));
     assert!(old < -12.0, "{old} N: there is nothing to correct");
-    // the root mean square of 200 other tests is 3.6 and 13 N: four times the error of their mean
+    // tolerance: four standard errors of a mean of 40 tests; the deviation of a single test is 3.6
+    // and 13 N (root mean square of 200 other tests)
     for (level, most) in [(0.003, 2.4), (0.01, 8.5)] {
         let test = HammerTest {
             level,
@@ -269,9 +270,9 @@ fn f1_noise_of_the_path_does_not_shrink_the_force() {
     }
 }
 
-/// Blows that are 7 or 20 % shorter, or 10 % longer, than the calibration blows. If their spectrum
-/// is assumed to be that of the calibration blows, with equal durations, a blow 20 % shorter is 16
-/// N too low, and no peak of fifty is within 1.96 standard errors.
+/// Reconstruction of blows that are 7 or 20 % shorter, or 10 % longer, than the calibration blows.
+/// A method that assumes the spectrum of the calibration blows, with equal durations, finds the
+/// peak of the shortest blow 16 N too low, and none of 50 peaks within 1.96 standard errors.
 #[test]
 fn f1_a_blow_of_another_duration_is_found() {
     for stretch in [0.93, 0.8, 1.1] {
@@ -286,8 +287,9 @@ fn f1_a_blow_of_another_duration_is_found() {
             .collect();
         let off = rms(all.iter().map(|off| off.newton));
         let [one, two] = within(all.iter().map(|off| off.peak));
-        // from 200 tests: 3.0 N, 55 and 85 % for the shortest blow, 2.2 N, 71 and 93 % for the blow
-        // of 0.93 of the duration
+        // in 200 other tests the deviation is 3.0 N, and 55 and 85 % of the peaks are within 1 and
+        // 1.96 standard errors for the shortest blow; 2.2 N, 71 and 93 % for a blow of 0.93 of the
+        // duration
         assert!(off < 5.0, "{stretch}: {off} N");
         assert!(one > 0.35 && two > 0.68, "{stretch}: {one} {two}");
     }
@@ -342,7 +344,8 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
             0.5 * (interval.standard[1] - interval.standard[0]) / with_tension / f64::from(n);
     }
     println!("{inside:?} of {n}, {narrower}");
-    // in 200 tests 71 and 98 %, 0.91 of the width with tension; from forty, 68 % is known to 7 %
+    // in 200 other tests the intervals contain 71 and 98 % of the peaks, and are 0.91 times as wide
+    // as with tension; a fraction of 68 % in 40 tests has a standard error of 7 %
     assert!(
         20 * inside[0] > 9 * n && 20 * inside[1] > 17 * n,
         "{inside:?}"
@@ -350,8 +353,8 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
     assert!((0.7..1.0).contains(&narrower), "{narrower}");
 }
 
-/// A sample and its neighbour, by hand: the profile of the first is that of a parabola until the
-/// second becomes zero, and then of a steeper one.
+/// A problem of two samples, solved by hand. As a function of the first sample, the cost is a
+/// parabola, and a steeper one where the second sample is held at zero.
 #[test]
 fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
     let problem = Constrained {
@@ -374,13 +377,15 @@ fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
     }
 }
 
-/// A response that equals the force with little noise: a regularisation would only reduce it.
+/// A response equal to the force with little noise: the chosen regularisation must leave the force
+/// nearly unchanged.
 #[test]
 fn f4_a_choice_can_be_no_regularisation() {
     let force = half_sine();
     let response = noisy(&force, 0.5, 9);
     let h = vec![Complex64::ONE; N / 2 + 1];
-    // over the whole record cross validation is flat, and the weakest regularisation is chosen
+    // over the whole record the score of cross validation is flat, and the weakest regularisation
+    // is chosen
     let all_over = Reconstruction::new(&response, RATE, &h).unwrap();
     let on_support = all_over.clone().acting_during(NEAR);
     for (problem, parameter) in [
@@ -396,8 +401,8 @@ fn f4_a_choice_can_be_no_regularisation() {
             })
             .solve()
             .unwrap();
-        // noise over signal, 0.5^2 by 30/2 500^2/2000, of 500 N is 0.07 N; a parameter of a tenth
-        // of the strength would give 45 N
+        // a parameter equal to the ratio of noise to signal power, 0.5^2/(30/2 * 500^2/2000) =
+        // 1.3e-4, would change 500 N by 0.07 N; one of a tenth of the strength, by 45 N
         let off = found.history.force()[54] - response[54];
         assert!(off.abs() < 0.5, "{parameter:?}: {off} N");
     }
@@ -424,9 +429,9 @@ fn f3_an_impulse_is_told_by_what_the_band_holds() {
     }
 }
 
-/// A body that still rings at 0.37 at the end of the record, with a path from five blows under a
-/// window that falls to 1 % there. If the windowed lines of the path are used without correction,
-/// the peak of 300 N becomes 3013 N.
+/// A body whose vibration has decayed only to 0.37 at the end of the record, with a frequency
+/// response measured from five blows under a window that falls to 1 % there. Without correction for
+/// the window, the peak of 300 N would be found as 3013 N.
 #[test]
 fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     let test = HammerTest {
@@ -442,12 +447,13 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
         .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
         .collect();
     let mean = all.iter().map(|off| off.newton).sum::<f64>() / seeds as f64;
-    // 0.83 N in the root mean square of forty; four times the error of their mean
+    // tolerance: four standard errors of the mean of 40 tests, whose root mean square deviation is
+    // 0.83 N
     assert!(mean.abs() < 0.53, "{mean} N");
     assert!(rms(all.iter().map(|off| off.newton)) < 1.2);
     let impulse = rms(all.iter().map(|off| off.impulse));
     assert!((0.6..1.3).contains(&impulse), "{impulse}");
-    // 70 and 91 % of 60: the samples of one test are correlated
+    // in 60 tests the fractions are 70 and 91 %; the samples of one test are correlated
     let [one, two] = within(all.iter().flat_map(|off| off.samples.iter().copied()));
     assert!(one > 0.5 && two > 0.84, "{one} {two}");
 }
@@ -456,7 +462,7 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
 /// response, whose lines are correlated under the window.
 #[test]
 fn s4_white_noise_is_followed_through_the_window() {
-    // 1e-7 of the response is left at the end of the record: nothing wraps round
+    // 1e-7 of the windowed response is left at the end of the record, so that nothing wraps round
     let (radius, decay_rate, level) = (0.9995, 80.0, 0.4);
     let mut impulse = vec![0.0; N];
     impulse[0] = 1.0;
@@ -507,8 +513,8 @@ fn s4_white_noise_is_followed_through_the_window() {
             let part = |limit: f64| {
                 off.iter().filter(|z| z.abs() < limit).count() as f64 / off.len() as f64
             };
-            // about 300 to 1800 independent numbers: 68.3 +- 2.7 and 95.0 +- 1.3 %, the limits are
-            // three times these errors
+            // tolerance: three standard errors, 2.7 % and 1.3 %, of the fractions 68.3 and 95.0 %
+            // in about 300 independent samples
             assert!(
                 (part(1.0) - 0.683).abs() < 0.08,
                 "{at} {index} {}",
