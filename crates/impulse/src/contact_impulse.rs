@@ -36,7 +36,8 @@ impl StickProblem<'_> {
     ///
     /// The impulse contains the part of the force that the band limit spreads ahead of the contact,
     /// up to ten periods of the last line. If the force is smooth at $`t_0`$, $`J_1`$ is nearer to
-    /// the impulse than the extrapolation is. Half of a roll-off belongs to half of the band.
+    /// the impulse than the extrapolation is. If the spectrum is rolled off, the roll-off of the
+    /// lower half of the band begins at half of the frequency.
     ///
     /// # Errors
     ///

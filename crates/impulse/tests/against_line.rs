@@ -162,8 +162,8 @@ fn by_line(striker: &[Piece], rod: Piece) -> Ours<LineHistory> {
     Ok(Line::new([striker, struck])?.run(0.25e-6, DURATION, &[])?)
 }
 
-/// Largest difference of the two histories, relative to the peak, without two samples around each
-/// jump of either history.
+/// Largest difference of the two histories, relative to the peak. Two samples on either side of
+/// each jump of either history are excluded.
 fn away_from_jumps(both: &Both) -> f64 {
     let (found, reference) = (both.predicted.history.force(), &both.by_line);
     let peak = reference.iter().copied().fold(0.0, f64::max);
@@ -177,7 +177,8 @@ fn away_from_jumps(both: &Both) -> f64 {
     };
     let all = found.len().min(reference.len());
     let compared: Vec<usize> = (0..all).filter(smooth).collect();
-    // five samples are left out for each echo; the short head has one every 10 us of the 1.2 ms
+    // at most five samples are excluded per echo; the short head has an echo every 10 us, 120 in
+    // 1.2 ms, so that at most 600 samples are excluded
     assert!(all - compared.len() < 600, "{} of {all}", compared.len());
     largest(
         compared

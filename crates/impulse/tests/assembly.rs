@@ -76,7 +76,8 @@ fn parts_joined_are_the_chain_of_them() {
         Complex64::new(1e5, 0.0),
     ] {
         let expected = chain.mobility_at_s(s).unwrap();
-        // rounding of a difference of mobilities, larger near 0 Hz by the ratio of the masses
+        // tolerance: rounding of a difference of mobilities, which near 0 Hz is amplified by the
+        // ratio of the masses
         assert!(
             relative(joined.mobility_at(s).unwrap(), expected) < 1e-12,
             "{s}"
@@ -190,8 +191,9 @@ fn three_rods_in_a_row_are_those_of_a_line() {
     assert!(worst < 1e-3 * peak, "{}", worst / peak);
 }
 
-/// A bit between a rod and the rock, given by the lines of three mobilities, is compared with the
-/// same bodies in a chain, with its front, which is that of the rod, and with its draws.
+/// A bit between a rod and the rock, given by the lines of its three mobilities: the mobility and
+/// the impact force are compared with those of a chain of the same bodies, the front impedance with
+/// that of the rod, and the scatter of drawn bits with a closed form.
 #[test]
 fn a_measured_member_is_the_computed_one() {
     let (step_hz, n_lines) = (25.0, 1025);
@@ -239,11 +241,13 @@ fn a_measured_member_is_the_computed_one() {
     let expected = chain.mobility_at_s(s).unwrap();
     assert!(relative(joined.mobility_at(s).unwrap(), expected) < 1e-12);
     assert!(joined.mobility_at(s * 1.0001).is_err());
-    // the front is that of the rod at high frequency, within (E₁ - E₀)/E₁ over about 1e8 x 20 us
+    // the front impedance is that of the rod at high frequency; tolerance: the modulus differs from
+    // its limit by (E₁ - E₀)/E₁ divided by about 1e8 x 20 us
     let front = joined.front_impedance().unwrap();
     let expected_front = (3e9_f64 * 1150.0).sqrt() * FRAC_PI_4 * 4e-4;
     assert!((front / expected_front - 1.0).abs() < 1e-4, "{front}");
-    // a hammer head of 0.2 kg, by a march on the lines and by a march of the computed bodies
+    // impact of a hammer head of 0.2 kg, once on the assembly with lines and once on the computed
+    // chain
     let hammer = mass(0.2);
     let peak = |body: &dyn ImpactBody| {
         let impact = Impact::between(&hammer, body).at_velocity(2.0);
@@ -252,7 +256,7 @@ fn a_measured_member_is_the_computed_one() {
         (limited.smooth_peak().force, force.balance().impulse)
     };
     let (by_lines, computed) = (peak(&joined), peak(&chain));
-    // the lines end at 25.6 kHz, above which the front impedance replaces the mobility
+    // tolerance: above 25.6 kHz, where the lines end, the front impedance replaces the mobility
     assert!(
         (by_lines.0 / computed.0 - 1.0).abs() < 2e-3,
         "{by_lines:?} {computed:?}"
@@ -261,19 +265,20 @@ fn a_measured_member_is_the_computed_one() {
         (by_lines.1 / computed.1 - 1.0).abs() < 1e-3,
         "{by_lines:?} {computed:?}"
     );
-    // draws: with noise alone each entry is drawn independently; a common scale of all lines of the
-    // bit is a scale of the assembly only in part
+    // scatter of the mobility over draws with noise alone, which is drawn independently for each
+    // entry
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut squares = 0.0;
     for _ in 0..400 {
         let drawn = with(Arc::new(measured.drawn(0.0, 0.0, &mut random).unwrap()));
         squares += relative(drawn.mobility_at(s).unwrap(), expected).powi(2) / 400.0;
     }
-    // by the forces f on the points, E|δG|² = |f₁|⁴ v₁₁ + 4 |f₁f₂|² v₁₂ + |f₂|⁴ v₂₂
+    // expected variance from the forces f on the points of the bit: E|δG|² = |f₁|⁴ v₁₁ + 4 |f₁f₂|²
+    // v₁₂ + |f₂|⁴ v₂₂
     let y = at(&bit, s);
     let far_of_rod = at(near.as_ref(), s);
     let behind = 1.0 / 900.0;
-    // force on the first point of the bit, divided by that on the struck face, and on the second
+    // forces on the first and the second point of the bit, divided by the force on the struck face
     let of_bit = y[0][0] - y[0][1] * y[0][1] / (y[1][1] + behind);
     let first = far_of_rod[0][1] / (far_of_rod[1][1] + of_bit);
     let second = -first * y[0][1] / (y[1][1] + behind);
@@ -282,7 +287,7 @@ fn a_measured_member_is_the_computed_one() {
         + 4.0 * (first * second).norm_sqr() * v(0, 1)
         + second.norm().powi(4) * v(1, 1);
     let ratio = squares * expected.norm_sqr() / variance;
-    // 400 draws of exponential law: 5 % of standard deviation
+    // tolerance: four standard errors of a mean of 400 exponentially distributed values, 5 % each
     assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
 }
 

@@ -83,7 +83,7 @@ fn masses_that_contradict_the_mobility() {
 fn methods_outside_their_domain() {
     let (nylon, rod_of_steel) = (nylon_rod(0.03, 0.3), rod(0.01, 0.3));
     let impact = Impact::between(&nylon, &rod_of_steel).at_velocity(1.0);
-    // eq. 7 is not known off the frequency axis
+    // the power laws of paper E, eq. 7, are known on the frequency axis only
     for error in [
         impact.stick_force_damped(DURATION, 1e-6).unwrap_err(),
         impact
@@ -105,7 +105,8 @@ fn methods_outside_their_domain() {
     let outcome = Impact::between(&chain, &long_rod(1e3))
         .at_velocity(1.0)
         .predict(DURATION);
-    // a pole on a line is refused, lines beside the poles are flagged
+    // a line on a pole is refused; if there is none, the lines next to the poles are flagged as
+    // acausal
     assert!(
         outcome.is_err()
             || outcome.is_ok_and(|prediction| {
@@ -192,14 +193,16 @@ fn measured_bodies_on_other_grids() {
         pair.stick_force_on_lines(band).unwrap_err().to_string(),
         "the lines of the measured body are 12.5 Hz apart, expected 10 Hz as for the other body"
     );
-    // the march needs no common lines, but whole steps in either period
+    // the march accepts lines of different spacing, but the period of each body must be a whole
+    // number of steps
     assert!(pair.clone().in_steps_of(1e-5).predict(10e-3).is_ok());
     assert!(matches!(
         pair.clone().in_steps_of(3e-5).predict(10e-3),
         Err(ImpulseError::NonPhysical { value, expected: "a whole number", .. })
             if (value - 1e4 / 3.0).abs() < 1e-6
     ));
-    // the march also needs half a period for the time before the impulse
+    // the period must be at least twice the duration: its second half is the time before the
+    // impulse
     let long = pair.in_steps_of(1e-5).predict(60e-3).unwrap_err();
     assert_eq!(
         long.to_string(),
@@ -214,7 +217,8 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
         n_steps: 256,
     };
     let kernel = Kernel::of(&rod(0.01, 0.3), grid, Quadrature::CellAverages).unwrap();
-    // an analytic body has nothing before the impulse but the alias of the next period, 1.5e-8
+    // before time 0 the kernel of an analytic body contains only the alias of the next period,
+    // 1.5e-8
     assert!(kernel.acausal() < 1e-7 * kernel.weights()[0]);
     assert!(kernel.face_compliance().abs() < f64::MIN_POSITIVE);
     let spring = MobilityLaw::analytic(|s| 1e-3 + s / 1e7);
@@ -226,8 +230,8 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
 
 #[test]
 fn a_spring_at_a_face_and_a_curved_contact_share_the_approach() {
-    // the spring at the face is the only part of first order; the reference has the same spring as
-    // a part of the contact curve, which is exact
+    // the spring at the face is discretised with an error of first order; the reference contains
+    // the same spring exactly, as a part of the contact curve
     let ground = MobilityLaw::analytic(|s: Complex64| s / 1e7);
     let striker = mass(0.2);
     let both = Impact::between(&striker, &ground)
@@ -253,7 +257,7 @@ fn a_spring_at_a_face_and_a_curved_contact_share_the_approach() {
         ))
         .predict(DURATION)
         .unwrap();
-    // half a step of 0.24 us in a contact of half a millisecond
+    // tolerance: half a step of 0.24 us relative to a contact of half a millisecond, with a margin
     assert!((both.peak().force / exact.peak().force - 1.0).abs() < 2e-3);
     assert!((both.duration() / exact.duration() - 1.0).abs() < 2e-3);
 }

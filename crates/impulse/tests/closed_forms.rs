@@ -164,7 +164,8 @@ fn rods_of_different_lengths(claims: &mut Claims) {
     let both = || -> Ours<[Prediction; 2]> { Ok([found(short, long)?, found(long, short)?]) };
     let found = both();
     let exact = |t: f64| if t < trip { plateau } else { 0.0 };
-    // the end of the pulse leaves a part of a step, which travels to and fro in the shorter rod
+    // after the pulse, a force over part of a step remains and travels to and fro in the shorter
+    // rod
     let echoes: Vec<f64> = (1..9).map(|k| f64::from(k) * trip).collect();
     for (steps, within) in [
         (
@@ -213,7 +214,7 @@ fn rods_of_equal_length(claims: &mut Claims) {
     let plateau = 0.5 * impedance(0.010) * VELOCITY;
     let trip = 2.0 * length / wave_speed();
     let kinetic = 0.5 * impedance(0.010) * length / wave_speed() * VELOCITY.powi(2);
-    // while the faces stick, the force alternates without end
+    // between faces that stick, the force alternates between two values without end
     let alternating = |t: f64| {
         if (t / trip).rem_euclid(2.0) < 1.0 {
             plateau
@@ -329,9 +330,9 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
     );
 }
 
-/// A mass on a rigid wall through a spring, by Hertz's law and through a table that leaves a dent:
-/// the contact lasts half a period, 2.943 times depth over velocity, and a quarter period of either
-/// stiffness.
+/// Impacts of a mass on a rigid wall through a linear spring, a Hertzian contact, and a tabulated
+/// contact that leaves a dent. The contact lasts half a period, 2.943 times depth over velocity,
+/// and the sum of a quarter period of each of the two stiffnesses.
 #[test]
 fn f6_soft_contacts_end_within_a_step() {
     let (m, v) = (0.3, 1.7);
@@ -354,7 +355,7 @@ fn f6_soft_contacts_end_within_a_step() {
             quarter * (1.0 + 0.5_f64.sqrt()),
         ),
     ] {
-        // with the end of the contact anywhere in its last step
+        // the fractions of a step place the end of the contact at different points of the last step
         let counts = [53.0, 101.3, 203.7]
             .into_iter()
             .chain((0..10).map(|tenth| 4100.0 + 0.1 * f64::from(tenth)));
@@ -367,7 +368,8 @@ fn f6_soft_contacts_end_within_a_step() {
                 .predict(1.1 * time)
                 .unwrap();
             let error = (found.contacts[0].end.unwrap() - time) / step;
-            // of second order: the error in steps times the number of steps is 0.82 to 1.02
+            // the error is of second order: in steps, multiplied by the number of steps, it is 0.82
+            // to 1.02
             assert!((error * steps - 0.9).abs() < 0.2, "{what} {steps} {error}");
         }
     }

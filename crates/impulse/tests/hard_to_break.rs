@@ -1,4 +1,5 @@
-//! Laws that hold for any two bodies, and numbers at the ends of the floating-point range.
+//! Properties that are valid for any two bodies, and arguments at the ends of the floating-point
+//! range.
 
 mod extremes_sizes;
 mod extremes_values;

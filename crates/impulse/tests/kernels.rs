@@ -30,8 +30,9 @@ fn claims_hold() {
     hold!(claims);
 }
 
-/// An impulse 1/Z and echoes 2/Z every 2T, each as a hat function over the step that
-/// contains it and a neighbouring step (Ödeen 1993, paper E, eq. 1).
+/// The kernel of a free elastic rod: an impulse 1/Z and echoes 2/Z every 2T. Each is divided
+/// between the step that contains it and a neighbouring step, as by a hat function (Ödeen 1993,
+/// paper E, eq. 1).
 fn echoes_of_an_elastic_rod(claims: &mut Claims) {
     claims.by("G = coth(sT)/Z, free elastic rod");
     let to_the_end = 60.3;
@@ -177,7 +178,7 @@ fn no_force_gains_energy(claims: &mut Claims) {
     );
 }
 
-/// White noise, and slow and alternating forces chosen to reveal a weakness.
+/// A force of one of three kinds: white noise, a slow sine, and noise with a fast cosine.
 fn force(seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     (0..GRID.n_steps)

@@ -69,7 +69,7 @@ fn flagged(screening: &Screening, is_it: impl Fn(&ScreeningFlag) -> bool) {
     assert!(flags.iter().any(is_it), "{flags:?}");
 }
 
-/// The lines of a body that moves this much \[s\] before the force.
+/// The lines of a body whose motion precedes the force by this time \[s\].
 fn advanced(exact: &[Complex64], by: f64) -> Vec<Complex64> {
     let turn = |line: usize| Complex64::cis(TAU * STEP_HZ * line as f64 * by);
     let lines = exact.iter().enumerate();
@@ -78,7 +78,7 @@ fn advanced(exact: &[Complex64], by: f64) -> Vec<Complex64> {
 
 #[test]
 fn a_delay_between_the_channels_is_acausal_and_active() {
-    // the velocity is recorded eight samples too early
+    // the velocity is recorded 0.4 ms too early
     let screening = measured(&advanced(&exact(), 400e-6)).screen();
     flagged(
         &screening,
@@ -90,7 +90,8 @@ fn a_delay_between_the_channels_is_acausal_and_active() {
     );
 }
 
-/// Lines that are 10 % too large leave a step of a twentieth of 1/M before the impulse.
+/// Lines that are 10 % too large leave a step of 0.05/M in the impulse response before the impulse.
+/// It is not flagged if the error of the scale is stated.
 #[test]
 fn a_stated_error_of_the_scale_is_not_energy_before_the_impulse() {
     let scaled: Vec<Complex64> = exact().iter().map(|line| line * 1.1).collect();
@@ -156,8 +157,8 @@ fn struck(exact: &[Complex64], hits: usize, level: f64, seed: u64) -> MeasuredBo
         .unwrap()
 }
 
-/// Numbers of bodies, out of `n_bodies` faultless ones, that are flagged for generating energy, for
-/// another mass, and for a delay.
+/// Numbers of faultless bodies, out of `n_bodies`, that are wrongly flagged for generating energy,
+/// for their mass, and for a delay.
 fn accusations(exact: &[Complex64], hits: usize, level: f64, n_bodies: u64) -> [usize; 3] {
     let mut accused = [0; 3];
     for seed in 0..n_bodies {
@@ -189,7 +190,8 @@ fn s12_right_bodies_are_accused_once_in_a_hundred() {
             }
         }
     }
-    // at a level of 1 %, 3.6 of 360 are expected for each, and 11 is four standard deviations above
+    // at a level of 1 %, 3.6 false flags of each kind are expected for 360 bodies; tolerance: four
+    // standard deviations above, 11
     assert!(all.iter().all(|accused| *accused <= 11), "{all:?}");
 }
 
@@ -235,7 +237,7 @@ fn the_mean_of_both_directions_has_half_of_the_variance() {
     let (forward, backward) = (of(5), of(6));
     let (mean, found) = forward.mean_of_directions(&backward).unwrap();
     assert_eq!(found.contradicting_lines, 0, "{found:?}");
-    // 1024 lines give a root mean square to 1.6 % (circular): three standard errors
+    // tolerance: three standard errors, 1.6 % each, of a root mean square over 1024 circular lines
     let change = measured(&exact).change_from(&mean);
     assert!((change.in_errors.unwrap() - 1.0).abs() < 0.05, "{change:?}");
     let variances = [&mean, &forward].map(|body| body.variance().unwrap()[500]);
@@ -307,7 +309,7 @@ fn what_cannot_be_is_refused() {
         "the lines of the measured body are 10 Hz apart, expected 20 Hz as for the other body"
     );
     assert!(lines_of(&body, STEP_HZ, 2 * N_LINES).is_err());
-    // between the lines and off the axis nothing is known
+    // the mobility is unknown between the lines and off the frequency axis
     for s in [Complex64::new(0.0, 100.0), Complex64::new(1.0, TAU * 100.0)] {
         assert!(matches!(
             body.mobility_at(s),
@@ -401,8 +403,8 @@ fn r05_the_true_front_impedance_is_never_contradicted_and_a_wrong_one_is() {
     });
 }
 
-/// A free body of 2 kg on a support, with lines above `from_hz` and errors of 0.1 %: the objections
-/// to its mass.
+/// The objections to the mass of a body of 2 kg that is stated to be free but is on a support with
+/// a resonance at `support_hz`; its lines above `from_hz` have errors of 0.1 %.
 fn objections_to_the_mass(support_hz: f64, from_hz: f64, seed: u64) -> Vec<ScreeningFlag> {
     let step = 25.0 / 16.0;
     let exact = |line: u32| {

@@ -55,19 +55,19 @@ fn measured_and_predicted_bodies_give_the_same_force_within_its_band() {
             "{name}: apart by {largest} N, standard error {stated} N, factor {}",
             band.factor
         );
-        // the band is not too wide: the largest of 72 errors is above one standard error
+        // the band is not too wide: the largest of 72 deviations exceeds one standard error
         assert!(largest > stated, "{name}: {largest} {stated}");
 
         let threshold = 0.02 * peak;
         let impacts = [&first, &second].map(|s| separate(&s.history, threshold).unwrap());
         let ContactEnd::Separated { time } = impacts[1].end else {
-            // the force on this face only just falls to zero: its tension is within the ringing of
-            // the band limit
+            // on this face the stick force hardly becomes tensile: its tension is within the
+            // ringing of the band limit
             assert_eq!(face, Face::ConeB, "{:?}", impacts[1].end);
             continue;
         };
         let end = error.contact_end(&first.history, &impacts[0]).unwrap();
-        // the force is a straight line there or nearly: the limit is three standard errors
+        // the force is nearly a straight line at the end; tolerance: three standard errors
         let is_early = matches!(end.verdict, EndVerdict::MayEndEarlier { .. });
         assert!(!is_early, "{name}: {end:?}");
         let apart = (end.time - time).abs();

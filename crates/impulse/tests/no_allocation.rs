@@ -20,8 +20,8 @@ fn a_step_allocates_nothing() {
             })
             .count_total
         });
-        // twice as many steps need one more size of blocks with its transforms, but no allocation
-        // in each of the 4096 further steps
+        // twice as many steps need one more block size with its transforms, but no allocation in
+        // any of the 4096 additional steps
         assert!(
             allocations[1] < allocations[0] + 100,
             "{law:?} {allocations:?}"

@@ -1,5 +1,5 @@
-//! The four impacts of paper E with a nylon that is analytic: a constant loss factor at the level
-//! of its eq. 7.
+//! The four impacts of paper E with an analytic law for the nylon: a constant loss factor at the
+//! level of its eq. 7.
 //!
 //! Expected values were computed independently of this software, by the Laplace transform and a
 //! layered recursion.
@@ -20,11 +20,11 @@ use testbed::papers::paper_e::{self, PaperE};
 
 const APART: &str =
     "paper E in one-dimensional theory, computed separately with a nylon of constant loss factor";
-/// Standard deviation of the Gaussian by which the expected values were smoothed, in s.
+/// Standard deviation \[s\] of the Gaussian by which the expected values were smoothed.
 const ROUNDED: f64 = 10e-6;
 
-/// A face of a body; peak of the force \[N\]; its time \[s\], unless the peak is the first jump;
-/// end of the contact by eq. 3 \[s\].
+/// Expected values of the four impacts: face of the body; peak of the force \[N\]; its time \[s\],
+/// unless the peak is the first jump; end of the contact by eq. 3 \[s\].
 const CASES: [(Face, f64, Option<f64>, f64); 4] = [
     (Face::ConeA, 2247.0, Some(0.47e-3), 1.16e-3),
     (Face::ConeB, 2029.0, None, 1.57e-3),
@@ -46,7 +46,7 @@ fn claims_hold() {
     hold!(claims);
 }
 
-/// Largest of the numbers that `error` returns for the faces.
+/// Largest magnitude of the errors that `error` returns for the four faces.
 fn worst(mut error: impl FnMut(Face) -> Ours) -> Ours {
     let errors: Ours<Vec<f64>> = CASES.iter().map(|case| error(case.0)).collect();
     Ok(largest(errors?))
@@ -91,7 +91,7 @@ fn by_printed_law(
         .predict(duration)?)
 }
 
-/// Contacts of more than 20 µs.
+/// Begin and end \[s\] of the contacts longer than 20 µs.
 fn contacts(prediction: &Prediction) -> Vec<(f64, f64)> {
     let all = prediction.contacts.iter();
     all.filter_map(|contact| Some((contact.begin, contact.end?)))
@@ -202,7 +202,7 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
     );
 }
 
-/// Errata of eq. 3: the force on the wide end of the cone falls to zero, and the end separates and
+/// Erratum to eq. 3: the force on the wide end of the cone falls to zero, and the end separates and
 /// touches again three times.
 fn the_wide_end_of_the_cone_touches_again(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by("paper E, eq. 3, erratum: face B of the cone touches again; by 800 slices and steps of 0.25 us, computed separately");
@@ -401,7 +401,8 @@ fn a_body_known_on_lines_only() {
     assert!((impact.balance().impulse / reference.balance().impulse - 1.0).abs() < 2e-3);
 }
 
-/// One-dimensional theory neglects that the thin rod dents the wide end of the cone.
+/// A thin rod dents the wide end of the cone, which one-dimensional theory neglects. The compliance
+/// of the dent removes the first jump and hardly changes the impulse.
 #[test]
 fn local_compliance_takes_the_edge_off_the_first_jump() {
     let paper = paper_e::load().unwrap();
@@ -423,7 +424,6 @@ fn local_compliance_takes_the_edge_off_the_first_jump() {
     assert!(!flags.any(|flag| matches!(flag, PredictionFlag::UnresolvedContact { .. })));
     assert!(soft.history.force()[0] < 0.05 * rigid.history.force()[0]);
     let [rigid, soft] = [&rigid, &soft].map(|p| p.balance().impulse);
-    // the cone gives up its momentum either way
     assert!((soft / rigid - 1.0).abs() < 0.05, "{soft} {rigid}");
 }
 
@@ -443,7 +443,8 @@ fn peaks_and_ends_of_contact_on_the_lines_of_the_paper() {
         assert_eq!(stick.settlement, Settlement::Settled);
         assert_eq!(stick.nonpassive_lines, 0);
         let peak = stick.history.peak();
-        // the peak of CCB is the jump at contact, which a band of 10 kHz cannot reproduce
+        // the peak for end B of the cylinder is the jump at contact, which a band of 10 kHz cannot
+        // reproduce
         if let Some(time) = time {
             // The references were computed with a constant-Q nylon at the level of eq. 7, and free
             // of a band limit; the samples here are 0.05 ms apart and ring at contact. The
@@ -451,31 +452,31 @@ fn peaks_and_ends_of_contact_on_the_lines_of_the_paper() {
             assert!((peak.force / force - 1.0).abs() < 0.03, "{name}: {peak:?}");
             assert!((peak.time - time).abs() < 0.05e-3, "{name}: {peak:?}");
         }
-        // the jump at contact rings with F(0)/(πn) at n samples from it, 2 % and less from 0.8 ms
-        // on where the contacts end
+        // n samples after contact the ringing of the jump is F(0)/(πn): about 2 % at 0.73 ms, where
+        // the first of the contacts ends, and less later
         let impact = separate(&stick.history, 0.02 * peak.force).unwrap();
         let ContactEnd::Separated { time } = impact.end else {
             panic!("{name}: {:?}", impact.end)
         };
-        // half a unit of the last printed digit, and as much again for the law and the linear
-        // interpolation
+        // tolerance: half a unit of the last printed digit, and as much again for the difference of
+        // the laws and the linear interpolation
         assert!((time - end).abs() < 0.01e-3, "{name}: {time}");
-        // The body rebounds: the impulse is more than its momentum, and less than twice as much.
+        // the body rebounds: the impulse is between one and two times its momentum
         let momentum = body.free_mass().unwrap() * velocity(&paper, face);
         let taken = impact.history.impulse() / momentum;
         assert!(taken > 1.0 && taken < 2.0, "{name}: {taken}");
     }
 }
 
-/// Momentum without weighing: if the constant is chosen for a quiet time before contact, the total
-/// impulse of the stick force is M V from the mobility alone.
+/// The stick force of a body that is not weighed: if the constant of the force is chosen so that
+/// the force is zero before contact, its total impulse is M V, the mass being that of the mobility.
 #[test]
 fn the_stick_force_stops_the_body() {
     let paper = paper_e::load().unwrap();
     for (face, ..) in CASES.into_iter().filter(|case| case.0 != Face::ConeB) {
         let body = paper.printed(face).unwrap();
-        // the lines of the paper, up to 200 kHz and with a roll-off: the largest error is the
-        // response before contact of the non-causal law of eq. 7, 3e-4 of its modulus
+        // lines at the spacing of the paper, up to 200 kHz and rolled off; tolerance: the law of
+        // eq. 7 is not causal, and its response before contact is 3e-4 of its modulus
         let frequency_step_hz = 10e3 / 1024.0;
         let lines =
             |body: &dyn ImpactBody| lines_of(body, frequency_step_hz, 20 * 1024 + 1).unwrap();

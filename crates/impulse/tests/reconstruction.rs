@@ -114,13 +114,14 @@ pub(crate) fn coverage(
     })
 }
 
-/// A force that may act at any time; claims cover forces on a support.
+/// Coverage of the bands of a force that is not restricted to a support; claims check forces on a
+/// support.
 #[test]
 fn bands_cover_the_true_force_at_their_level() {
     let faces = BODY.struck_by(PULSE).unwrap();
-    // Errors of neighbouring samples are correlated, so that the part inside scatters between seeds
-    // by 0.09 to 0.13, and the mean square by 0.8 to 1 (300 other seeds). The limits are 3.3
-    // standard errors of a mean: one in a thousand.
+    // Errors of neighbouring samples are correlated: between seeds the fraction of samples inside
+    // has a standard deviation of 0.09 to 0.13, and the mean square one of 0.8 to 1 (300 other
+    // seeds). Tolerance: 3.3 standard errors of a mean, exceeded once in a thousand.
     let n = (SEEDS as f64).sqrt();
     let Coverage {
         inside,
@@ -129,11 +130,13 @@ fn bands_cover_the_true_force_at_their_level() {
     } = coverage(&faces, 1, None, SEEDS).unwrap();
     assert!((inside - 0.95).abs() < 3.3 * 0.13 / n, "{inside}");
     assert!((squares - 1.0).abs() < 3.3 / n, "{squares}");
-    // sqrt(0.95*0.05/120) = 2 %, and the factor is of 400 draws, 1.1 %: three of both
+    // tolerance: three standard errors, which combine sqrt(0.95*0.05/120) = 2 % of the count and
+    // 1.1 % of a factor from 400 draws
     assert!(whole > 0.95 - 0.07, "{whole}");
 }
 
-/// Chi-square of the acceleration of the far face, with these lines of its accelerance.
+/// Reduced chi-square of a force reconstructed from the acceleration of the far face and these
+/// `lines` of its accelerance.
 pub(crate) fn chi_square(faces: &Faces, lines: &[Complex64]) -> Ours {
     let mut random = Noise::seeded(11);
     let response = random.added_to(&faces.responses[1], NOISE[1]);
@@ -146,7 +149,8 @@ pub(crate) fn chi_square(faces: &Faces, lines: &[Complex64]) -> Ours {
         .ok_or_else(|| missing("the chi-square"))
 }
 
-/// A perturbed body: chi-square reveals an error that the band does not include.
+/// Reconstruction with the accelerance of a rod of another length: chi-square reveals the error,
+/// which the band does not include.
 #[test]
 fn a_body_that_is_another_one_is_seen_in_the_residual() {
     let faces = BODY.struck_by(PULSE).unwrap();
@@ -155,7 +159,7 @@ fn a_body_that_is_another_one_is_seen_in_the_residual() {
         ..BODY
     };
     let other = other.struck_by(PULSE).unwrap();
-    // for the right body chi-square is 1, as a claim states
+    // with the right rod chi-square is 1, which a claim checks
     let wrong = chi_square(&faces, &other.frequency_responses[1]).unwrap();
     assert!(wrong > 1.5, "{wrong}");
 }

@@ -344,7 +344,7 @@ impl MeasuredBody {
             let (error, freedom) = of_sum(&fit.weights, variances);
             (of_mass(error), freedom)
         });
-        // variances of 0 do not state that the lines are exact
+        // variances of 0 do not mean that the lines are exact
         let by_variance = by_variance.filter(|(error, _)| error.is_finite() && *error > 0.0);
         let (standard_error, degrees_of_freedom) = match by_variance {
             Some(own) if own.0 < by_scatter.0 => own,

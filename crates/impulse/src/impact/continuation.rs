@@ -279,8 +279,9 @@ mod tests {
         for (step_hz, n_lines) in [(50.0, 201), (5.0, 2001)] {
             let measured = body(step_hz, n_lines);
             let continued = Continued::of(&measured, Known::All).unwrap().unwrap();
-            // up to an octave higher, the roll-off removes a twentieth and the continuation has an
-            // error of the same size; without a continuation the whole echo would be missing
+            // tolerance: up to an octave above the lines, the roll-off removes a twentieth of the
+            // echo and the continuation has an error of the same size; without a continuation the
+            // whole echo would be missing
             for line in n_lines..2 * n_lines - 1 {
                 let s = Complex64::new(0.0, TAU * step_hz * line as f64);
                 let ratio = IMPEDANCE * continued.mobility_at(s).unwrap();

@@ -114,8 +114,8 @@ impl DiscreteImpact {
                 ContactLaw::linear(1.0 / (compliance + 1.0 / stiffness))?
             }
             law => {
-                // the spring in series is discretised by backward differences, the only part of
-                // first order
+                // the spring in series is discretised by backward differences, which is the only
+                // part of the scheme of first order
                 let jump = compliance / kernels[0].grid().time_step;
                 for (weight, change) in kernel.iter_mut().zip([jump, -jump]) {
                     *weight += change;

@@ -94,7 +94,7 @@ fn the_force_comes_back_from_a_clean_response() {
         .unwrap()
         .solve()
         .unwrap();
-    // rounding of 500 N through a condition number of 2500
+    // tolerance: rounding of 500 N, amplified by a condition number of 2500
     assert!(error(&found, &force) < 500.0 * 2500.0 * 1e-15);
     assert!(found.relative_residual < 1e-13);
     assert!(found.excluded.is_empty());
@@ -141,11 +141,11 @@ fn regularisation_shrinks_every_line_as_stated() {
         .with_regularisation(tikhonov(lambda))
         .solve()
         .unwrap();
-    // a line by direct sums, as a second method
+    // one line of both forces by direct sums
     let k = 90;
     let shrunk = h[k].norm_sqr() / (h[k].norm_sqr() + lambda);
     let ratio = direct(found.history.force(), k) / direct(&force, k);
-    // rounding of sums of 2000 terms
+    // tolerance: rounding of sums of 2000 terms
     assert!((ratio - shrunk).norm() < 1e-12, "{ratio} {shrunk}");
     assert!(found.relative_residual > 1e-3);
 }
@@ -460,7 +460,7 @@ fn a_force_without_tension_is_the_minimum() {
         .fold(0.0_f64, |m, s| m.max(s.abs()));
     let slope = cost_slope(found.history.force());
     for (m, (f, s)) in found.history.force().iter().zip(&slope).enumerate() {
-        // rounding of the sums, and the end of the memory of the resonator
+        // tolerance: rounding of the sums, and the rest of the vibration at the end of the record
         let bound = 1e-8 * scale;
         assert!(
             *s > -bound && (*f <= 0.0 || s.abs() < bound),

@@ -137,7 +137,7 @@ fn linear_propagation_and_draws_agree() {
 fn delays_act_as_differences_of_the_force_say() {
     let bodies = sprung_mass();
     let base = problem(&bodies, ZeroLine::EffectiveMass(MASS));
-    // a delay of a nanosecond turns the last line by 3e-4
+    // a delay of a nanosecond turns the last line by 3e-4 rad
     let small = 1e-9;
     let late = |of: &[Complex64]| -> Vec<Complex64> {
         let lines = of.iter().enumerate();

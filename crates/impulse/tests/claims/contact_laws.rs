@@ -301,7 +301,8 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
     );
 }
 
-/// Loading takes M V²/2 = 0.1 J: 2 mJ to (10 um, 400 N), then 400 x + (5600 N/90 um) x²/2.
+/// Loading absorbs M V²/2 = 0.1 J: 2 mJ up to (10 um, 400 N), and 400 x + (5600 N/90 um) x²/2 over
+/// the further approach x.
 fn hysteresis(claims: &mut Claims) {
     claims.by("energy between the curves of loading and of unloading");
     let unloading = 2e8;
@@ -391,7 +392,8 @@ fn a_stiff_contact_is_flagged_where_steps_are_too_long() {
     assert!(!flagged(&impact.in_steps_of(1e-9).predict(4e-6).unwrap()));
 }
 
-/// 2 g on a rod decay within m/Z, a fraction of the step: the impulse of the only step is too large.
+/// A mass of 2 g on a rod, whose force decays within m/Z: if the step is longer, the impulse of the
+/// only step with a force is too large, and the contact is flagged.
 #[test]
 fn a_contact_within_two_steps_is_flagged() {
     let (kilograms, z) = (2e-3, impedance(0.010));
@@ -408,6 +410,6 @@ fn a_contact_within_two_steps_is_flagged() {
     let (is_flagged, coarse) = of_step(10.0 * decay);
     assert!(is_flagged && coarse > 1.5, "{coarse}");
     let (is_flagged, fine) = of_step(0.1 * decay);
-    // force by means over steps: the momentum is conserved to rounding
+    // the force is the mean over each step, so that the momentum is conserved to rounding
     assert!(!is_flagged && (fine - 1.0).abs() < 1e-6, "{fine}");
 }

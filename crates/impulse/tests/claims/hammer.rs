@@ -35,7 +35,7 @@ fn claims_hold() {
     hold!(report(data.as_deref()), "measured records");
 }
 
-/// All checks of this test, each with our number or the reason why there is none.
+/// All checks of this test, each with the computed value or the reason why there is none.
 fn report(data: Option<&Path>) -> Claims {
     let measured = data
         .ok_or_else(|| NotMeasured::Absent("no folder given (--data or RODLAB_DATA)".to_owned()))

@@ -78,13 +78,13 @@ fn noise_after_projection() -> Ours {
     let clean = of(&exact)?.projected(Projection::Causal);
     let before = of(&mobility)?;
     let after = before.projected(Projection::Causal);
-    // away from the edge of the band
+    // the lines near the ends of the band are excluded
     let power = |from: &[Complex64], to: &[Complex64]| -> f64 {
         (20..800)
             .map(|line| (from[line] - to[line]).norm_sqr())
             .sum()
     };
-    // the projection changes a causal response little: the smear of the band limit
+    // the projection changes the lines of a causal body little, by the smearing of the band limit
     let size: f64 = exact[20..800].iter().map(Complex64::norm_sqr).sum();
     assert!(power(clean.mobility(), &exact) < 1e-3 * size);
     Ok(power(after.mobility(), clean.mobility()) / power(before.mobility(), &exact))

@@ -43,7 +43,7 @@ fn contacts() {
             let Ok(table) = TabulatedContact::new(&points) else {
                 continue;
             };
-            // an accepted body can be integrated further
+            // a march with an accepted table gives finite forces without tension, or an error
             let found = Impact::between(&mass(1.0), &mass(2.0))
                 .at_velocity(1.0)
                 .through(ContactLaw::Tabulated(table))
@@ -63,7 +63,7 @@ fn contacts() {
     }
 }
 
-/// Variants can be written without their constructors.
+/// Contact laws created as enum variants, without their constructors, are checked by the march.
 #[test]
 fn contact_constants_that_no_constructor_gives_are_refused() {
     let (first, second) = (mass(1.0), long_rod(1e3));
@@ -319,7 +319,7 @@ fn measured_bodies() {
     ));
 }
 
-/// A body in other units is as causal and as reciprocal as before.
+/// The results of screening and reciprocity do not depend on the unit of the mobility.
 #[test]
 fn screening_and_reciprocity_have_no_unit() {
     let late: Vec<Complex64> = (0..200)

@@ -49,7 +49,9 @@ proptest! {
         }
     }
 
-    /// Any unit of the response, from the smallest squares to the largest: the same force in that unit, and the same figures of merit.
+    /// A response in another unit, even one whose squares are near the limits of the floating-point
+    /// range, gives the force multiplied by that unit and the same residual and end of the
+    /// response.
     #[test]
     fn the_unit_of_the_response_is_no_part_of_the_force(
         a in prop::collection::vec(-1.0..1.0_f64, N),

@@ -8,7 +8,7 @@ use rodwave::modulus::Elastic;
 
 use super::rig::{self, RATE};
 
-/// Bar on bar: F1 = F2 inside the band, and nothing is reflected.
+/// A bar directly on a bar: F1 = F2 inside the band, and nothing is reflected.
 #[test]
 fn hopkinson_bars_without_a_specimen_have_equal_forces() {
     let rig = rig::nylon();
@@ -25,7 +25,8 @@ fn hopkinson_bars_without_a_specimen_have_equal_forces() {
         .zip(&band)
         .filter(|(d, band)| d.abs() > **band)
         .count();
-    // one sample in a hundred lies outside, in groups because of the band limit
+    // tolerance: 1 % of the samples are expected outside the 99 % band, in groups because the band
+    // limit correlates them; 5 % are allowed
     assert!(
         outside * 20 < difference.len(),
         "{outside} of {}",
@@ -80,10 +81,10 @@ fn hopkinson_elastic_specimen_has_its_modulus() {
     );
     let middle = rig::middle(&result);
     let found = stress[middle] / strain[middle];
-    // the march rounds the wave speeds between the gauges by 2e-4, and the small strain is a
-    // difference of nearly equal waves
+    // tolerance: the march rounds the wave speeds between the gauges by 2e-4, and the small strain
+    // is a difference of nearly equal waves
     assert!((found / modulus - 1.0).abs() < 0.02, "{found:e}");
-    // the impulse through either face is that of the drive
+    // both faces transmit the same impulse
     let impulse =
         |curve: Curve| -> f64 { result.curves.of(curve).iter().sum::<f64>() * result.time_step };
     let exact: f64 = truth.force[0].iter().sum::<f64>() * truth.step;
@@ -99,14 +100,14 @@ fn hopkinson_elastic_specimen_has_its_modulus() {
     );
     let ledger = truth.ledger;
     assert!(ledger.energy_residual().abs() < 1e-9 * ledger.supplied.abs());
-    // the plateau: an elastic layer at rest has no effect on two waves in equal bars
+    // the transmitted force on the plateau is the true one
     let time = result.time_at(middle);
     let [f1, f2] = [0, 1].map(|face| truth.seen(&truth.force[face], RATE, time));
     let found = result.curves.of(Curve::Force2)[middle];
     assert!((found / f2 - 1.0).abs() < 2e-3, "{found} {f1} {f2}");
 }
 
-/// Stress and strain of the specimens, sample by sample, from records with hardly any noise.
+/// Stress and strain of the specimens from nearly noise-free records, compared sample by sample.
 #[test]
 fn hopkinson_curves_are_those_of_the_specimen() {
     for (name, rig, specimen, diameter) in [
@@ -118,7 +119,8 @@ fn hopkinson_curves_are_those_of_the_specimen() {
         let record = rig::record(&truth, &rig::quiet(&rig, 1e-9), 2);
         let result = rig::evaluated(&rig::test_of(&rig, length, diameter), &record);
         let worst = rig::worst(&truth, &result, length, diameter);
-        // the band rounds the yield of the metal; speeds are rounded by 2e-4
+        // tolerance: the band limit rounds the yield of the metal, and the march rounds wave speeds
+        // by 2e-4
         assert!(worst[0] < 0.02 && worst[1] < 0.02, "{name}: {worst:?}");
         assert!(result.findings.is_empty(), "{name}: {:?}", result.findings);
     }

@@ -93,8 +93,9 @@ fn places(result: &HopkinsonResult) -> Vec<usize> {
         .collect()
 }
 
-/// Fraction of the samples inside the 95 % band: stress, strain, true stress, difference of the
-/// forces; and the findings that are no remarks. Sheets are changed before they are evaluated.
+/// Fractions of the samples of stress, strain, true stress and force difference that are inside the
+/// 95 % band, and all findings that are not remarks. `change` is applied to each sheet before the
+/// evaluation.
 fn covered(
     (rig, specimen, diameter): (&HopkinsonRig, Segment, f64),
     seeds: u64,
@@ -139,9 +140,9 @@ fn covered(
     (inside.map(|n| n / all), accused)
 }
 
-/// Laboratories in a test. With 50 independent laboratories and 95 % the fraction scatters by 3 %:
-/// 87 % is two and a half times this scatter below 95 %, and a band of two thirds of the width
-/// covers 81 %.
+/// Number of laboratories in a test. For 50 independent laboratories and a level of 95 % the
+/// fraction has a standard error of 3 %. The limit of 87 % is 2.5 standard errors below 95 %; a
+/// band of two thirds of the width would cover 81 %.
 const SEEDS: u64 = 50;
 const POWER: &str =
     "50 laboratories with common errors of their own: 3 % standard deviation of a fraction of 95 %";
@@ -164,7 +165,8 @@ fn hopkinson_bands_cover_the_truth_of_a_hardening_metal_between_steel_bars() {
     hold("steel bars, hardening metal", virtual_test);
 }
 
-/// The same shots with the bars assumed elastic, with their wave speed in the middle of the band.
+/// Shots evaluated with bars that are assumed elastic, with the wave speed of nylon at 0.3 of the
+/// end of the band: the bands do not cover.
 #[test]
 fn hopkinson_bands_do_not_cover_if_nylon_bars_are_taken_for_elastic() {
     let virtual_test = (&rig::nylon(), rig::soft_hardening(), 0.014);
@@ -177,8 +179,8 @@ fn hopkinson_bands_do_not_cover_if_nylon_bars_are_taken_for_elastic() {
     assert!(covered[..2].iter().all(|part| *part < 0.6), "{covered:?}");
 }
 
-/// Joint draws of all quantities scatter as the linear errors predict; in a careful laboratory
-/// nothing is far from linear.
+/// The standard deviation over joint draws of all quantities agrees with the linear errors: for the
+/// small uncertainties of a careful laboratory the evaluation is nearly linear.
 #[test]
 fn hopkinson_linear_errors_are_those_of_draws() {
     let rig = rig::nylon();
@@ -197,8 +199,8 @@ fn hopkinson_linear_errors_are_those_of_draws() {
         let linear = result.standard_error(curve);
         for at in places(&result) {
             let ratio = drawn.of(curve)[at] / linear[at];
-            // the deviation of 1000 draws is known to 2.2 %, that of 100 draws of the noise to 7 %:
-            // twice their combination
+            // tolerance: twice the combination of 2.2 %, the error of a standard deviation from
+            // 1000 draws, and 7 %, that from 100 draws of the noise
             assert!((ratio - 1.0).abs() < 0.15, "{curve:?} {at}: {ratio}");
         }
     }
@@ -285,14 +287,15 @@ fn hopkinson_mean_of_shots_covers_the_curve_of_the_specimens() {
         Ok(ratio),
     );
     claims.hold("impulse", "hopkinson-mean-of-shots");
-    // the shared errors are most of the error: a band of the scatter alone does not cover
+    // most of the error is shared by all shots: a band from the scatter alone does not cover
     assert!(of_one < 0.75 * all, "{of_one} of {all}");
 }
 
 fn hold(what: &str, virtual_test: (&HopkinsonRig, Segment, f64)) {
     let (covered, accused) = covered(virtual_test, SEEDS, |_, _| {});
     println!("{what}: {covered:?}");
-    // the sheets are right within their errors
+    // the values of the sheets are right within their errors, so that hardly any finding is
+    // expected
     assert!(accused.len() < 2, "{accused:?}");
     let mut claims = Claims::default();
     claims.by("waves marched along characteristics, errors drawn");

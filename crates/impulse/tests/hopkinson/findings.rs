@@ -42,7 +42,8 @@ fn found(change: impl Fn(&mut HopkinsonTest, &mut HopkinsonRecord)) -> Vec<Findi
     rig::evaluated(&test, &record).findings
 }
 
-/// The first finding of which `number` is known, with that number and its text.
+/// The first finding for which `number` returns a value, with the value and the text of the
+/// finding.
 fn named(
     findings: &[Finding],
     number: impl Fn(&Finding) -> Option<f64>,
@@ -99,7 +100,7 @@ fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
     else {
         panic!("{findings:?}");
     };
-    // equal within a per cent in a fault-free shot
+    // in a fault-free shot the two forces are equal within 1 %
     assert!(
         (ratio - 0.8).abs() < 0.02 && *standard_error < 0.05,
         "{said}"
@@ -126,7 +127,7 @@ fn hopkinson_forces_four_errors_apart_are_named() {
     let wrong = rig::evaluated(&test, &record);
     let equilibrium = &wrong.equilibrium;
     let apart = (equilibrium.force_ratio - 1.0) / equilibrium.force_ratio_error;
-    // a limit of five standard errors would miss it
+    // the error is above the limit of three standard errors and would be below a limit of five
     assert!((3.0..5.0).contains(&apart), "{apart}");
     assert!(
         wrong.findings.iter().any(differ),
@@ -135,7 +136,8 @@ fn hopkinson_forces_four_errors_apart_are_named() {
     );
 }
 
-/// The length of the specimen is wrong: it is compressed to less than nothing.
+/// The stated length of the specimen is too small: the specimen seems to be compressed to less than
+/// nothing.
 #[test]
 fn hopkinson_a_strain_of_one_in_compression_is_refused() {
     let (mut test, record) = shot();
@@ -155,9 +157,9 @@ fn hopkinson_a_strain_of_one_in_compression_is_refused() {
     );
 }
 
-/// Density and modulus for a wave speed 15 % too high: the reflected wave arrives 15 % later than
-/// stated. A delay of 8 % could be due to the front of a specimen here, where the wave rises within
-/// 0.12 ms; such an error is found from the forces of the two faces.
+/// A modulus that makes the wave speed 8 or 15 % too high. At 15 % the reflected wave arrives too
+/// late for the stated speed. At 8 % the delay could be due to the front of the specimen, because
+/// the wave rises within 0.12 ms; the error is then found from the forces of the two faces.
 #[test]
 fn hopkinson_a_wrong_wave_speed_is_named_with_the_one_found() {
     let with = |factor: f64| {
@@ -174,11 +176,13 @@ fn hopkinson_a_wrong_wave_speed_is_named_with_the_one_found() {
         Finding::WaveSpeed { stated, found } => Some(stated / found),
         _ => None,
     });
-    // fronts of a creeping specimen shift the arrival by some per cent
+    // tolerance: the creeping specimen reflects another front, which shifts the arrival by a few
+    // per cent
     assert!((ratio - 1.15).abs() < 0.03, "{said}");
 }
 
-/// Pulses that rise slowly, as behind a pulse shaper: the specimen reflects a later front.
+/// Pulses that rise slowly, as behind a pulse shaper: the front reflected by the specimen begins
+/// later, which is not flagged as a wrong wave speed.
 #[test]
 fn hopkinson_a_slow_front_is_no_wrong_wave_speed() {
     for rise in [150e-6, 250e-6] {
@@ -205,8 +209,8 @@ fn hopkinson_a_channel_ahead_of_the_others_is_named_and_alignment_takes_its_lag(
         Finding::TransmittedEarly { by } => Some(*by),
         _ => None,
     });
-    // a delayed rise shifts the time at which the force exceeds a quarter of its peak by some
-    // microseconds
+    // tolerance: the specimen delays the rise of the transmitted force, and with it the time at
+    // which the force exceeds a quarter of its peak, by some microseconds
     assert!((by - 60e-6).abs() < 15e-6, "{said}");
     let (mut test, mut record) = shot();
     let right = rig::evaluated(&test, &record);
@@ -286,8 +290,8 @@ fn hopkinson_a_drifting_bridge_of_two_is_remarked() {
     };
     let none = drifts(0.0);
     assert!(none.is_empty(), "{none:?}");
-    // the reflected wave returns some 0.5 ms after the middle of the silence: 1.2e-5, 1.3 % of a
-    // peak of 9.3e-4
+    // a wave returns about 0.5 ms, 500 samples, after the middle of the silence: the drift is 500 x
+    // 2.4e-8 = 1.2e-5, which is 1.3 % of the peak of 9.3e-4
     let found = drifts(2.4e-8);
     let &[
         Finding::GaugeDrift {
@@ -324,7 +328,7 @@ fn hopkinson_a_record_that_ends_under_load_is_named() {
         Finding::RecordEnds { part } => Some(*part),
         _ => None,
     });
-    // a curve that ends while the specimen is unloaded is correct up to its end
+    // a record that ends during unloading is only a remark: the curve is correct up to its end
     assert!(Finding::RecordEnds { part: 0.3 }.is_remark());
     assert!(!Finding::RecordEnds { part: 0.9 }.is_remark());
     assert!(
@@ -392,7 +396,8 @@ fn hopkinson_torsion_has_the_stress_of_a_torque() {
     let expected = 0.25 * rig.diameter * per_torque * rig::area(outer);
     let middle = rig::middle(&in_compression);
     let at = |result: &HopkinsonResult| result.curves.of(Curve::Stress)[middle];
-    // records and law are the same in both: the lines differ by factors only
+    // records and law of the modulus are the same in both loadings, so that the stresses differ
+    // only by constant factors
     let ratio = at(&in_torsion) / at(&in_compression);
     assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio} {expected}");
     // the stress is proportional to 1/(r² t); the mean radius r decreases by half of the increase
@@ -442,8 +447,8 @@ fn hopkinson_sources_of_errors_are_named() {
     }
     let own = result.common.iter().filter(|e| e.source.is_of_one_shot());
     assert_eq!(own.count(), 2);
-    // a diameter of 14e-3 that is 1e-5 too large gives the area, and the stress, twice the relative
-    // error
+    // the standard uncertainty of the diameter is 1e-5 m of 14e-3 m; the relative error of the
+    // area, and so of the stress, is twice as large
     let relative = of_source(&result, Source::SpecimenDiameter);
     assert!(
         (relative.abs() / (2e-5 / DIAMETER) - 1.0).abs() < 1e-3,
@@ -572,7 +577,8 @@ fn hopkinson_a_mean_needs_shots_and_a_probability() {
     let one = rig::evaluated(&test, &record);
     let single = MeanCurve::of(std::slice::from_ref(&one)).unwrap();
     assert!(!single.specimens_differ(0.05).unwrap() && single.specimens_differ(1.5).is_err());
-    // two shots, one at a specimen stated 20 % too thin: their stresses differ by 40 %
+    // two shots, one with a specimen stated 20 % too thin: its stress is 1/0.8² = 1.56 times as
+    // large
     let mut thin = test;
     thin.specimen.diameter.value *= 0.8;
     let two = MeanCurve::of(&[one.clone(), rig::evaluated(&thin, &record)]).unwrap();

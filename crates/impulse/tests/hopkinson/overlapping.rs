@@ -6,7 +6,7 @@ use testbed::hopkinson::HopkinsonRig;
 
 use super::rig;
 
-/// A pulse of 0.9 ms on nylon bars, longer than a transit.
+/// A pulse of 1.5 ms on nylon bars, longer than the transit time of a bar.
 fn long_pulse(gauges: [Vec<f64>; 2]) -> HopkinsonRig {
     HopkinsonRig {
         gauges,
@@ -17,8 +17,8 @@ fn long_pulse(gauges: [Vec<f64>; 2]) -> HopkinsonRig {
     }
 }
 
-/// Worst differences of stress and strain from the truth, relative to the largest value, and the
-/// time of the result.
+/// Worst differences of stress and strain from the truth, relative to the largest value; duration
+/// of the loading in the result \[s\]; findings.
 fn worst(rig: &HopkinsonRig, change: impl Fn(&mut HopkinsonTest)) -> ([f64; 2], f64, Vec<Finding>) {
     let (specimen, diameter) = (rig::norton(), 0.014);
     let length = specimen.length();
@@ -36,7 +36,7 @@ fn worst(rig: &HopkinsonRig, change: impl Fn(&mut HopkinsonTest)) -> ([f64; 2], 
 fn hopkinson_two_gauges_follow_overlapping_waves() {
     let rig = long_pulse([vec![1.1, 0.5], vec![0.3, 0.8]]);
     let (worst, time, _) = worst(&rig, |_| {});
-    // speeds of the march are rounded by 2e-4, over some ten passages between two gauges
+    // tolerance: the march rounds wave speeds by 2e-4, over about ten passages between two gauges
     assert!(
         worst[0] < 0.02 && worst[1] < 0.02 && time > 1.3e-3,
         "{worst:?} {time}"
@@ -49,8 +49,8 @@ fn hopkinson_one_gauge_a_bar_with_a_free_end_goes_beyond_one_transit() {
     let (far, time, findings) = worst(&rig, |test| {
         test.separation = [WaveSeparation::Balanced, WaveSeparation::FreeEnd];
     });
-    // the force of the incident face is assumed to be that of the other: the error is that of the
-    // transit through the specimen
+    // tolerance: the forces of both faces are assumed equal, which neglects the transit through the
+    // specimen
     assert!(
         far[0] < 0.05 && far[1] < 0.05 && time > 1.3e-3,
         "{far:?} {time}"
@@ -60,7 +60,8 @@ fn hopkinson_one_gauge_a_bar_with_a_free_end_goes_beyond_one_transit() {
         "{findings:?}"
     );
 
-    // separation by passages gives only a short result, and a finding
+    // if the waves are separated by their arrivals at one gauge, the result is short and has a
+    // finding
     let (_, short, findings) = worst(&rig, |_| {});
     assert!(short < 0.7e-3, "{short}");
     assert!(

@@ -36,7 +36,7 @@ pub(crate) fn steel() -> HopkinsonRig {
     }
 }
 
-/// A specimen of 6 mm by 14 mm that creeps by a power of the stress.
+/// A specimen 6 mm long and 14 mm in diameter, whose creep rate is a power of the stress.
 pub(crate) fn norton() -> Segment {
     let law = MaxwellNorton::from_reference_rate(4.0, 300.0, 25e6).unwrap();
     Segment::new(0.006, area(0.014), 1100.0)
@@ -45,7 +45,8 @@ pub(crate) fn norton() -> Segment {
         .unwrap()
 }
 
-/// A metal of 5 mm by 10 mm with a yield stress that hardens with strain and rate.
+/// A metal specimen 5 mm long and 10 mm in diameter, with a yield stress that increases with strain
+/// and strain rate.
 pub(crate) fn hardening() -> Segment {
     let law = MaxwellNorton::from_reference_rate(20.0, 1000.0, 200e6).unwrap();
     Segment::new(0.005, area(0.010), 2700.0)
@@ -56,7 +57,8 @@ pub(crate) fn hardening() -> Segment {
         .unwrap()
 }
 
-/// A soft plastic of 6 mm by 14 mm with a yield stress that hardens with strain and rate.
+/// A specimen of soft plastic 6 mm long and 14 mm in diameter, with a yield stress that increases
+/// with strain and strain rate.
 pub(crate) fn soft_hardening() -> Segment {
     let law = MaxwellNorton::from_reference_rate(15.0, 500.0, 15e6).unwrap();
     Segment::new(0.006, area(0.014), 1200.0)
@@ -71,7 +73,7 @@ pub(crate) fn area(diameter: f64) -> f64 {
     0.25 * std::f64::consts::PI * diameter * diameter
 }
 
-/// The evaluation of a rig as it is, with a specimen of a length and a diameter.
+/// The test of a rig with its exact properties and a specimen of this length and diameter.
 pub(crate) fn test_of(rig: &HopkinsonRig, length: f64, diameter: f64) -> HopkinsonTest {
     let material = BarMaterial::new(rig.density, Arc::new(rig.law.clone())).unwrap();
     let bar = |at: usize| HopkinsonBar {
@@ -102,7 +104,7 @@ pub(crate) fn test_of(rig: &HopkinsonRig, length: f64, diameter: f64) -> Hopkins
     }
 }
 
-/// A recorder without systematic errors, with a noise in strain.
+/// A recorder without systematic errors, with this standard deviation of its strain noise.
 pub(crate) fn quiet(rig: &HopkinsonRig, noise: f64) -> RecorderErrors {
     let gains = |at: usize| vec![1.0; rig.gauges[at].len()];
     RecorderErrors {
@@ -136,7 +138,7 @@ pub(crate) fn middle(result: &HopkinsonResult) -> usize {
     result.loaded.start + result.loaded.len() / 2
 }
 
-/// Worst differences of stress and strain from the truth over the loaded time, relative to the
+/// Largest differences of stress and strain from the truth over the loaded time, relative to the
 /// largest value.
 pub(crate) fn worst(
     truth: &HopkinsonTruth,

@@ -1,6 +1,6 @@
-//! A rod of a lossy polymer that is struck at one face, with accelerometers on both: its responses
-//! in time by the Laplace transform of the pulse in closed form on a damped line, its frequency
-//! responses on the frequency axis.
+//! A rod of a lossy polymer that is struck at one face, with accelerometers on both faces. The
+//! responses in time are computed from the Laplace transform of the pulse, in closed form, on a
+//! damped line; the frequency responses are computed on the frequency axis.
 
 use std::f64::consts::{PI, TAU};
 

@@ -162,7 +162,8 @@ fn contact_with_an_error(band: BandLimit) {
     assert!(errors.restitution.unwrap() < 1e-3, "{errors:?}");
 }
 
-/// A rigid mass on a semi-infinite rod is never pushed off; a mass on a spring before a wall is.
+/// The force of a rigid mass on a semi-infinite rod fades without separation; a mass on a spring
+/// before a wall separates.
 #[test]
 fn a_force_that_fades_has_no_end() {
     let (mass, rod, wall) = (mass(), rod(IMPEDANCE), wall());
