@@ -117,9 +117,10 @@ fn r23_the_zero_of_the_force_on_lines_lies_between_their_samples() {
 }
 
 /// A free rod of a lossy material, plain or with half of its diameter behind a third of its length,
-/// strikes one like it. Both are given by their exact lines up to 10 and 40 kHz with their front
-/// impedances, and the force is compared with that of the damped transform. The error covers the
-/// difference at all times, although nothing else is uncertain, and falls with more lines.
+/// strikes another rod of the same kind. Both are given by their exact lines up to 10 and 40 kHz
+/// with their front impedances, and the force is compared with that of the computed rods. The error
+/// must cover the difference at all times, although nothing else is uncertain, and must decrease
+/// with more lines.
 #[test]
 fn what_the_lines_do_not_tell_is_in_the_error() {
     for is_stepped in [false, true] {

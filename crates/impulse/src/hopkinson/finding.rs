@@ -405,8 +405,8 @@ fn passages(
             });
         }
     }
-    // fronts of different shape begin at different times, the forces of the two faces at the same
-    // time
+    // the forces are compared, not the arrivals of the waves: fronts of different shape begin at
+    // different times, but the forces of the two faces begin together
     let position = |bar: &HopkinsonBar| -> f64 {
         let gauges = bar.gauges.iter();
         gauges.fold(0.0, |sum, gauge| {

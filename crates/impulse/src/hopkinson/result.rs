@@ -341,8 +341,9 @@ impl HopkinsonResult {
             let mean = 0.5 * (f1 + f2);
             *index = difference / mean;
             *own = (error / mean).abs();
-            // while the specimen is unloaded, the error of the difference is that of its time, common
-            // to all samples: with two standard errors, one correct shot in twenty would fail
+            // during unloading the main error of the difference is an error of time, which is
+            // common to all samples: with a limit of two standard errors, one correct shot in
+            // twenty would fail
             let (part, errors) = if at < unloading { (0, 2.0) } else { (1, 3.0) };
             *held = index.abs() <= INDEX_LIMIT + errors * *own;
             if !*held && let Some(count) = outside.get_mut(part) {
@@ -363,7 +364,7 @@ impl HopkinsonResult {
                 start = Some(at);
             }
         }
-        // equilibrium over less than the last fifth of the loaded samples does not count
+        // equilibrium that begins in the last fifth of the loaded samples does not count
         let enough = |at: &usize| {
             (self.loaded.end - at) as f64 >= 0.2 * self.loaded.len() as f64
                 && separation != WaveSeparation::Balanced
@@ -371,7 +372,7 @@ impl HopkinsonResult {
         let of_loaded =
             |values: &[f64]| -> f64 { values.get(self.loaded.clone()).unwrap_or(&[]).iter().sum() };
         let [sum_1, sum_2] = [of_loaded(f1), of_loaded(f2)];
-        // sources are common to all samples, noise nearly averages out
+        // errors of sources are common to all samples and add up; those of noise nearly average out
         let by_sources: f64 = self
             .common
             .iter()

@@ -289,9 +289,10 @@ impl Prediction {
     }
 
     /// Returns true if the force of the last of the [`main_contacts`](Self::main_contacts) fades
-    /// instead of ending: in the last twentieth of the contact it is below a ten-thousandth of its
-    /// peak. The force of a rigid mass on a semi-infinite rod is proportional to exp(-Zt/m),
-    /// without separation; the contact ends at the time from which the force no longer counts.
+    /// instead of ending: a twentieth of the contact before its end, the force is below a
+    /// ten-thousandth of its peak. The force of a rigid mass on a semi-infinite rod is proportional
+    /// to exp(-Zt/m), without separation; its contact ends when the force falls below a millionth
+    /// of the peak.
     #[must_use]
     pub fn fades(&self) -> bool {
         let force_before_end = |contact: &ContactInterval| {

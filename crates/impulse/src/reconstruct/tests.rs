@@ -326,9 +326,9 @@ fn the_chosen_parameter_is_near_the_best() {
         let best = best.fold(f64::INFINITY, f64::min);
         assert!(best < 0.1 * plain, "{best} {plain}: nothing to choose");
         let chosen = [
-            // known properties of the methods: cross validation is nearly best, the discrepancy
-            // principle smooths too much, and at the corner of the L-curve the noise has only just
-            // ceased to dominate the norm: a tenth of it in amplitude remains here
+            // expected limits: cross validation is nearly best; the discrepancy principle smooths
+            // too much; at the corner of the L-curve the noise no longer dominates the norm, but a
+            // tenth of its amplitude remains here
             (Parameter::GeneralisedCrossValidation, 1.15),
             (Parameter::Discrepancy, 1.6),
             (Parameter::LCurve, 0.1 * plain / best),

@@ -60,8 +60,9 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         Ok(errors)
     }
 
-    /// Returns the standard error of the force in the band \[N\] from its difference from `other`,
-    /// which rings: the root mean square of the difference over a period of the last line.
+    /// Returns the standard error of the force in the band \[N\] from its difference from `other`.
+    /// Since the difference oscillates, the error is its root mean square over a period of the last
+    /// line.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
