@@ -20,10 +20,10 @@ const MOST_NUMBERS: usize = 1 << 28;
 
 /// The random error of a force history, to first order in its causes.
 ///
-/// The error is a sum of independent parts: one from circular errors of spectral lines, which has
-/// the same standard deviation at all times of a period; one for each cause common to all times,
-/// such as the impact velocity; one for the samples of a support. Each part is Gaussian and
-/// correlated over time.
+/// The error is a sum of independent Gaussian parts. Correlated over time are: one part from
+/// circular errors of spectral lines, with the same standard deviation at all times of a period;
+/// one for each cause common to all times, such as the impact velocity; one for the samples of a
+/// support. A further part may be independent from sample to sample.
 #[derive(Debug, Clone)]
 pub struct ForceError {
     standard_error: Vec<f64>,
@@ -44,7 +44,8 @@ struct LineErrors {
     /// e^{i\omega_k t}`$ over both sides.
     variances: Vec<f64>,
     n_period: usize,
-    /// Range of the samples whose mean is added to all samples, and the sign of this addition.
+    /// Range of the samples whose mean error is added to all samples, and the sign of this
+    /// addition.
     reference: Option<(Range<usize>, f64)>,
 }
 

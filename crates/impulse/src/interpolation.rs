@@ -1,7 +1,7 @@
 //! Linear interpolation between equidistant values.
 
-/// Returns the value at `place`, an index of at least 0 that need not be whole; beyond the last
-/// value, that value, and 0 if there is none.
+/// Returns the value at `place`, a fractional index of at least 0. Beyond the last value it returns
+/// the last value, or 0 if there are no values.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

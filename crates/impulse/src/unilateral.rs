@@ -279,7 +279,7 @@ impl ContactLog {
             .then(|| begin_of_step + (before - dent) / (before - step.approach) * time_step);
         if step.force > PRESSING * self.highest {
             let contact = self.now.get_or_insert_with(|| {
-                // time at which the gap closes on the way to the approach without force
+                // part of the step after which the gap closes if no force acts in the step
                 let closing = if before < 0.0 {
                     let free = before + time_step * march.velocity_against(step, before);
                     before / (before - free)

@@ -95,7 +95,7 @@ pub(crate) fn on_lines(
     body.with_front_impedance(front).unwrap()
 }
 
-/// The force between two samples, by a straight line; `None` after the last.
+/// The force at `time` by linear interpolation between samples; `None` after the last sample.
 pub(crate) fn between_samples(history: &ForceHistory, time: f64) -> Option<f64> {
     let position = (time - history.time_at(0)) / history.time_step();
     let before = position.floor() as usize;

@@ -196,9 +196,9 @@ impl MeanCurve {
     /// Returns true if the probability that equal specimens scatter this much is below `chance`.
     ///
     /// The ratio of [variances](Self::scatter_ratio) multiplied by $`n - 1`$ is assumed to be
-    /// distributed as $`\chi^2`$ with $`n - 1`$ degrees of freedom, which holds if the shots differ
-    /// by one number each, such as a diameter. Curves that cross differ by more numbers, and the
-    /// level is then lower than stated.
+    /// distributed as $`\chi^2`$ with $`n - 1`$ degrees of freedom. This is valid if the shots
+    /// differ by one number each, such as a diameter. If curves cross, they differ by more numbers,
+    /// and the probability of a false result is lower than stated.
     ///
     /// # Errors
     ///

@@ -209,7 +209,7 @@ fn fold(folded: &mut [Complex64], n_points: usize, line: usize, value: Complex64
         add(0, value);
         return;
     }
-    // the very last line counts for itself and for its mirror image
+    // the last line coincides with its mirror image, and half of the value is added for each
     let weight = if line == BANDS * n_points / 2 {
         0.5
     } else {

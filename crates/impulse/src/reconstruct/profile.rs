@@ -32,9 +32,9 @@ impl Constrained {
     /// without the condition on t by at most the square of a standard normal quantile, where noise
     /// has the weighted variance `noise`. The interval is widened by the `bias` of the number.
     ///
-    /// Every t belongs to a multiplier $`\nu`$: t is the number at the minimum with $`b + \nu l`$
-    /// in place of b. If samples are held at zero, the true limit is a mixture of chi-squares below
-    /// this one.
+    /// Every t belongs to a multiplier $`\nu`$: t is $`l^Tf`$ at the minimum with $`b + \nu l`$ in
+    /// place of b. If samples are held at zero, the exact limit is a quantile of a mixture of
+    /// chi-square distributions and is smaller than the limit used here.
     pub(super) fn interval(
         &self,
         weights: &[f64],

@@ -16,7 +16,7 @@ use super::rig::{self, RATE};
 
 const DIAMETER: f64 = 0.014;
 
-/// A good shot at a creeping specimen between nylon bars, with its sheet.
+/// A fault-free shot with a creeping specimen between nylon bars, and its sheet.
 fn shot_of(rig: &HopkinsonRig) -> (HopkinsonTest, HopkinsonRecord) {
     let specimen = rig::norton();
     let length = specimen.length();
