@@ -127,7 +127,8 @@ impl Transformed<'_> {
         if !(lines.power[line].is_finite() && lines.cross[line].is_finite()) {
             return Err(ImpulseError::SpectrumOverflow { index: line });
         }
-        // the mean over a significant line and its neighbours is above zero
+        // a significant line is kept even if its own power is small, because the mean over the line
+        // and its neighbours is above zero
         let is_told = self.errors.is_some() && n_told > 0;
         if !is_told && lines.power[line] < LEAST_POWER {
             // the digits of the power are lost: the line gives no force
