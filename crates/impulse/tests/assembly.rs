@@ -132,8 +132,8 @@ fn joints_obey_closed_forms() {
     assert!(relative(star.mobility_at(s).unwrap(), expected) < 1e-12);
 }
 
-/// Force of the first contact of a [`Line`], whose samples are means over its steps of at most `step`
-/// \[s\].
+/// Force of the first contact of a [`Line`], whose samples are means over its steps of at most
+/// `step` \[s\].
 fn by_line(bodies: Vec<Body>, step: f64, duration: f64) -> ForceHistory {
     let line = Line::new(bodies).unwrap();
     let history = line.run(step, duration, &[]).unwrap();

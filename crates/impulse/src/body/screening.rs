@@ -117,8 +117,8 @@ impl MeasuredBody {
         }
     }
 
-    /// Removes from `samples` the part of the rigid-body motion that an error of the scale or of the
-    /// weighed mass leaves in them.
+    /// Removes from `samples` the part of the rigid-body motion that an error of the scale or of
+    /// the weighed mass leaves in them.
     ///
     /// Lines with the relative error e of their scale and a mass with the relative error d leave
     /// $`(e + d)/(i\omega M)`$ after the rigid-body motion is removed: a step of half
