@@ -208,7 +208,7 @@ pub enum CmodError {
         /// Length of the wrong array.
         found: usize,
         expected: usize,
-        /// What each value belongs to.
+        /// Name of the items that have one value each.
         each: &'static str,
     },
     /// A reading of a recovery test is impossible.

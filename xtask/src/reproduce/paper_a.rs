@@ -1,7 +1,8 @@
 //! `cargo xtask reproduce-paper-a`: Table 1, Tests 1 to 10 (Figures 3 and 4), temperatures (Figures
 //! 5 and 6), roots, series, linearity.
 //!
-//! The values at 1 kHz are shown over temperature as in (Ödeen 1993, paper A, Figure 6).
+//! The figures follow (Ödeen 1993, paper A, Figures 4 and 6): the rod of polyamide 6, and the values
+//! at 1 kHz over temperature.
 
 mod branches;
 mod figure;

@@ -312,7 +312,7 @@ mod tests {
         assert!((doubtful.omega.re - 15e3).abs() < 1.0);
     }
 
-    /// If every line has two roots, there are no decided lines to which a parabola could be fitted,
+    /// Lines that all have two roots: no decided lines are left to which a parabola could be fitted,
     /// and no line is changed.
     #[test]
     fn few_neighbours_decide_nothing() {
