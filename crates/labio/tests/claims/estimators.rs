@@ -243,7 +243,7 @@ fn nothing_in_common(report: &mut Claims) {
         )
         .expects(9.0 / 110.0, "1")
         .within(0.002, "four standard errors over 2049 lines"),
-        || Ok(mean(&coherence()?.bias())),
+        || Ok(mean(coherence()?.bias())),
     );
     report.check(
         Claim::new(

@@ -50,10 +50,12 @@ impl BodySheet {
     }
 }
 
+/// Diameters of an element, with the names of their fields.
+type Diameters<'a> = Vec<(&'static str, &'a Stated<Length>)>;
+
 impl ElementSheet {
-    /// Returns the material and the diameters of an element in which waves propagate, with the
-    /// fields of the diameters.
-    pub(super) fn solid(&self) -> Option<(&str, Vec<(&'static str, &Stated<Length>)>)> {
+    /// Returns the material and the diameters of an element in which waves propagate.
+    pub(super) fn solid(&self) -> Option<(&str, Diameters<'_>)> {
         match self {
             Self::Rod {
                 material, diameter, ..
