@@ -417,7 +417,8 @@ mod tests {
 
     #[test]
     fn impossible_specimens_are_refused() {
-        let cases: [(fn(&mut Specimen), &str); 4] = [
+        type Change = fn(&mut Specimen);
+        let cases: [(Change, &str); 4] = [
             (
                 |specimen| specimen.length = 0.0,
                 "length [m] is 0, expected a finite value above 0",

@@ -256,7 +256,7 @@ mod tests {
             slope_variance: 4e-4,
         };
         let mut normal = vec![vec![0.0; 2 * N]; 2 * N];
-        let mut right = vec![0.0; 2 * N];
+        let mut right = [0.0; 2 * N];
         let mut add = |rows: &[(usize, f64)], value: f64, weight: f64| {
             for (i, a) in rows {
                 right[*i] += weight * a * value;
