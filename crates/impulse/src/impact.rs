@@ -179,9 +179,11 @@ impl<'a> Impact<'a> {
         }
     }
 
-    /// Computes the force between faces that stick (Ödeen 1993, paper E, eq. 2) by time marching:
-    /// an equation of the second kind, $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. With a linear contact
-    /// the faces stick to the ends of its spring.
+    /// Computes the force between faces that stick (Ödeen 1993, paper E, eq. 2) by time marching.
+    /// With a rigid contact, the force $`F_n`$ of step n is the solution of a discrete Volterra
+    /// equation, $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$, where $`w_n`$ is the sum of the weights of
+    /// both bodies in their [`Kernel`]s. With a linear contact, the faces stick to the ends of its
+    /// spring, and the compression of the spring is integrated as well.
     ///
     /// # Validity
     ///

@@ -218,7 +218,8 @@ fn mistakes_are_shown_at_their_lines() {
     found["wrong"].as_str().unwrap().must_say("missing-");
 }
 
-/// A hit that is rejected is left out of the result, and can be accepted again.
+/// A hit rejected by hand is listed as not accepted, with the reason; if the decision is withdrawn,
+/// the criteria accept it again.
 #[test]
 fn hits_are_rejected_and_accepted() {
     for sheet in ["rod.toml", "modulus.ron"] {

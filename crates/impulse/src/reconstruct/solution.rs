@@ -113,9 +113,11 @@ impl Solved {
     /// Returns the error of a force of this `power`, with `unit_noise` if the noise is not known;
     /// it includes the part removed by the regularisation.
     ///
-    /// A regularisation is a prior assumption on the force: the variance is the posterior one (G.
-    /// Wahba's interval), or the square of `bias` where this is greater. If the error of the force
-    /// without regularisation is known, the squares of that error and of the `bias` are added.
+    /// A regularisation is a prior assumption on the force. The posterior variance (G. Wahba's
+    /// interval) is the sum of the propagated noise and of the prior variance of the part removed,
+    /// which the square of `bias` replaces where it is greater. For a force that is assumed to be
+    /// like the calibration blows, the variance without regularisation and the square of `bias` are
+    /// added instead.
     pub(super) fn error(
         &self,
         transformed: &Transformed<'_>,

@@ -1,5 +1,5 @@
-//! Transition matrices of rods, cones, horns and lumped elements: the equations of motion, and
-//! properties that every element must have.
+//! Transition matrices of rods, cones, horns and lumped elements: values at complex s, the horn as
+//! the limit of short cones, volumes, and properties of every element, such as its determinant.
 
 use num_complex::Complex64;
 use proptest::prelude::*;

@@ -13,13 +13,13 @@ const EQUALLY: f64 = 1.732_050_807_568_877_2;
 const TWO_SIDED: f64 = 1.96;
 
 impl<D: ImpactDraws> UncertainImpact<'_, D> {
-    /// Returns the errors of the force in the band, at its times, and of the numbers. They combine
-    /// the changes of the prediction in two or three cases: without the echoes above the lines;
-    /// with the upper third of the lines replaced by a continuation of the others; and, if a body
-    /// rings for longer than half of its period, with every second line alone. `None` if no body is
-    /// measured.
+    /// Returns the errors of the force in the band, at its times, and of the [`ImpactNumbers`].
+    /// They combine the changes of the prediction in two or three cases: without the echoes above
+    /// the lines; with the upper third of the lines replaced by a continuation of the others; and,
+    /// if a body still rings after half of the period of its lines (the inverse of their spacing),
+    /// with only every second line. `None` if no body is measured.
     ///
-    /// If half of the period is shorter than two histories or is not a whole number of steps,
+    /// If half of that period is shorter than two histories or is not a whole number of steps,
     /// ringing does not enter the errors and is only flagged.
     pub(super) fn errors_by_lines(
         &self,

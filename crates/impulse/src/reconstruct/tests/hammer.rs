@@ -287,9 +287,10 @@ fn f1_a_blow_of_another_duration_is_found() {
             .collect();
         let off = rms(all.iter().map(|off| off.newton));
         let [one, two] = within(all.iter().map(|off| off.peak));
-        // in 200 other tests the deviation is 3.0 N, and 55 and 85 % of the peaks are within 1 and
-        // 1.96 standard errors for the shortest blow; 2.2 N, 71 and 93 % for a blow of 0.93 of the
-        // duration
+        // tolerance: in 200 other tests of the shortest blow, the root mean square deviation of the
+        // peak is 3.0 N, and 55 and 85 % of the peaks are within 1 and 1.96 standard errors; for
+        // the blow of 0.93 of the duration, these values are 2.2 N, 71 and 93 %. The limits are
+        // wider, because fewer tests scatter more
         assert!(off < 5.0, "{stretch}: {off} N");
         assert!(one > 0.35 && two > 0.68, "{stretch}: {one} {two}");
     }
