@@ -294,10 +294,12 @@ impl<V: Argument> Chain<V> {
         range: Range<usize>,
         argument: V,
     ) -> Result<Face, RodwaveError> {
-        let elements = self.elements.iter().enumerate();
-        for (index, element) in elements.take(range.end).skip(range.start).rev() {
-            let transition = element.transition(argument);
-            face.pass(&transition.map_err(|error| error.in_element(index))?);
+        let elements = self.elements.get(range.clone()).unwrap_or_default();
+        for (index, element) in elements.iter().enumerate().rev() {
+            let transition = element
+                .transition(argument)
+                .map_err(|error| error.in_element(range.start + index))?;
+            face.pass(&transition);
         }
         Ok(face)
     }

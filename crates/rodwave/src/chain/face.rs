@@ -53,8 +53,8 @@ impl Face {
     #[inline]
     fn normalise(&mut self) {
         let factor = (self.force.l1_norm() + self.velocity.l1_norm()).recip();
-        self.force *= factor;
-        self.velocity *= factor;
+        self.force = self.force.scale(factor);
+        self.velocity = self.velocity.scale(factor);
         self.factor *= factor;
     }
 
