@@ -63,7 +63,7 @@ pub enum Termination {
     ResidualIsRounding,
     /// No step, however short, reduces the sum of squares.
     NoDescent,
-    /// As [`Self::NoReductionLeft`], but with a parameter at a bound beyond which the sum of
+    /// End as [`Self::NoReductionLeft`], but with a parameter at a bound beyond which the sum of
     /// squares still falls.
     AtBound,
     /// The improvement of the parameters is below the pre-assigned tolerance; only with

@@ -322,7 +322,7 @@ fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
     outcome.summary.must_begin("The shifts follow Arrhenius: ");
 }
 
-/// If the sheet states no errors, they follow from the scatter, even with two frequencies per
+/// Errors that the sheet does not state follow from the scatter, even with two frequencies per
 /// decade and a phase error \[rad\] of a fifth of the relative error of |E|.
 #[test]
 fn unstated_errors_are_those_of_the_scatter() {

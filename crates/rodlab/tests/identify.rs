@@ -112,7 +112,7 @@ fn two_impact_velocities_give_the_law_and_its_parameters() {
     assert!(outcome.inputs.iter().all(|input| input.sha256.len() == 64));
 }
 
-/// If the length of the rod in the fast test is stated 10 mm too large, its modulus is 5 % too high
+/// Length of the rod in the fast test stated 10 mm too large: its modulus is 5 % too high
 /// and contradicts the slow test.
 #[test]
 fn tests_that_contradict_each_other_are_in_doubt() {

@@ -80,7 +80,7 @@ impl Folder {
         rodlab(self.path(), &call.split(' ').collect::<Vec<_>>())
     }
 
-    /// What the program prints. Fails unless it ends with the status 0.
+    /// Output of the program. Fails unless it ends with the status 0.
     #[track_caller]
     pub(crate) fn done(&self, call: &str) -> String {
         let run = self.rodlab(call);

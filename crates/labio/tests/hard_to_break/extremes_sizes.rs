@@ -98,8 +98,7 @@ fn lengths_that_no_memory_holds_are_refused() {
     }
 }
 
-/// If samples of the impact are lost, the reasons state this, and not only that the trigger did not
-/// fire.
+/// Lost samples of the impact: the reasons state them, and not only that the trigger did not fire.
 #[test]
 fn lost_samples_of_an_untriggered_stream_are_told() {
     let trigger = Trigger::new(INPUT, 0.5, Extent::Samples(4)).unwrap();

@@ -112,7 +112,7 @@ fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
     );
 }
 
-/// If the ramp is not stated, chi-square shows that no law fits, and puts the answer and the
+/// Unstated ramp: chi-square shows that no law fits, and puts the answer and the
 /// material file in doubt.
 #[test]
 fn a_ramp_that_is_forgotten_is_seen() {
